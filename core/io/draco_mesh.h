@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/io/mesh_limits.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace ccst {
+
+/// Decodes a Draco mesh, bitstream 1.1 to 2.2, sequential or Edgebreaker. The announced counts
+/// are checked against `limits`, and against what the bytes could possibly hold, before the
+/// decoder is started, so that a small file cannot make it allocate much.
+/// @return the values of the position attribute, in its order, and the faces in the decoder's
+///         order; indices in range, coordinates finite, at least one face.
+/// @errors INVALID_ARGUMENT  DRACO_DECODE_FAILED (says what and at which byte; point clouds are
+///                           named as such), MESH_EMPTY, MESH_DEGENERATE, LIMIT_EXCEEDED
+absl::StatusOr<TriangleMesh> DecodeDraco(std::span<const char> bytes,
+                                         const MeshLimits& limits = {});
+
+/// Encodes positions and faces so that decoding gives back every face and every vertex in its
+/// place (sequential encoding). Without quantisation positions are exactly the 32-bit floats
+/// nearest to the doubles given.
+///
+/// The bitstream cannot hold more vertices than corners: when there are more, those of no face
+/// are left out, and the others keep their order.
+/// @param quantization_bits  bits per coordinate of the bounding box's longest side, in [1, 30]
+/// @errors INVALID_ARGUMENT  MESH_EMPTY no face; MESH_DEGENERATE an index out of range, a
+///                           coordinate that is no finite float; OPTION_INVALID bits out of range
+absl::StatusOr<std::string> EncodeDraco(const TriangleMesh& mesh,
+                                        std::optional<int> quantization_bits = std::nullopt);
+
+/// Where to put the origin so that 32-bit floats lose little: zero when every coordinate is
+/// within 16 diagonals of the bounding box from it, which leaves ordinary meshes as they are;
+/// else the box's centre, rounded to few enough bits that subtracting it is exact for
+/// coordinates that are floats themselves. Zero for an empty or non-finite mesh.
+Eigen::Vector3d ChooseOrigin(const TriangleMesh& mesh);
+
+/// The mesh that DecodeDraco returns for EncodeDraco(`mesh` moved by -`origin`): positions
+/// relative to `origin`, rounded to 32-bit floats; the same faces. What a run computes on.
+/// @errors INVALID_ARGUMENT  MESH_DEGENERATE a coordinate that is no finite float (says which),
+///                           or a mesh so small that floats would flatten it
+absl::StatusOr<TriangleMesh> ToWirePrecision(const TriangleMesh& mesh,
+                                             const Eigen::Vector3d& origin);
+
+}  // namespace ccst

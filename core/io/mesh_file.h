@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/io/mesh_limits.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace ccst {
+
+/// Formats that can be read.
+enum class MeshFormat { kObj, kPly, kStl, kOff, kDraco };
+
+/// Formats that can be written: those above and binary glTF.
+enum class MeshOutputFormat { kObj, kPly, kStl, kOff, kDraco, kGlb };
+
+/// A mesh as a file holds it. Every index of `mesh` is in range and every coordinate finite;
+/// there is at least one face. Nothing else is checked.
+struct MeshFile {
+  /// V x 3 positions, F x 3 indices. Vertices keep the file's order; polygons are cut into
+  /// fans around their first corner, in the file's order. Vertices of STL, which shares none,
+  /// are those with bitwise equal coordinates, in order of first use.
+  TriangleMesh mesh;
+  /// F: the file's own face each triangle was cut from. Empty when all of them were triangles,
+  /// that is when triangle i is face i.
+  std::vector<std::int32_t> face_source;
+};
+
+/// Format by the path's extension, in any case; empty when it is none of .obj .ply .stl .off
+/// .drc.
+std::optional<MeshFormat> MeshFormatFromPath(std::string_view path);
+
+/// Format by the path's extension, in any case; empty when it is none of .obj .ply .stl .off
+/// .drc .glb.
+std::optional<MeshOutputFormat> MeshOutputFormatFromPath(std::string_view path);
+
+/// Parses a whole file. Numbers do not depend on the locale. Cost O(bytes), memory bounded by a
+/// constant times the bytes given (for Draco see DecodeDraco).
+/// @errors INVALID_ARGUMENT  MESH_UNREADABLE | DRACO_DECODE_FAILED (says the line or the byte),
+///                           MESH_EMPTY (no face), MESH_DEGENERATE (names the first index out of
+///                           range or coordinate that is not finite), LIMIT_EXCEEDED
+absl::StatusOr<MeshFile> ReadMesh(std::string_view bytes, MeshFormat format,
+                                  const MeshLimits& limits = {});
+
+/// Reads `path` in the format of its extension.
+/// @errors those of ReadMesh with the path in front, and
+///         NOT_FOUND | PERMISSION_DENIED | UNKNOWN the file cannot be read (says why)
+///         INVALID_ARGUMENT  MESH_UNREADABLE the extension names no format that can be read
+absl::StatusOr<MeshFile> ReadMeshFile(const std::string& path, const MeshLimits& limits = {});
+
+/// The bytes of a file in `format`. Text formats round-trip the doubles; PLY (binary) and OFF
+/// hold doubles too; STL (binary), GLB and Draco hold 32-bit floats. Faces keep their order.
+/// Cost O(V + F).
+/// @errors INVALID_ARGUMENT  MESH_DEGENERATE an index is out of range, or a coordinate is not
+///                           finite in the format's precision; MESH_EMPTY Draco or GLB without
+///                           faces; LIMIT_EXCEEDED more than the format can count
+absl::StatusOr<std::string> EncodeMesh(const TriangleMesh& mesh, MeshOutputFormat format);
+
+/// Writes the format of the path's extension, atomically (see WriteFileAtomically).
+/// @errors those of EncodeMesh and WriteFileAtomically, and INVALID_ARGUMENT for an extension
+///         that names no format that can be written
+absl::Status WriteMeshFile(const TriangleMesh& mesh, const std::string& path);
+
+}  // namespace ccst

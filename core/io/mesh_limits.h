@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+
+namespace ccst {
+
+/// What a reader accepts. Checked against the announced counts before anything of that size
+/// is allocated, and against the counts that were really read.
+struct MeshLimits {
+  std::int64_t max_vertices = 10'000'000;
+  std::int64_t max_faces = 20'000'000;             ///< Triangles, after polygons are cut.
+  std::int64_t max_bytes = std::int64_t{2} << 30;  ///< Encoded size.
+};
+
+}  // namespace ccst

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/sampling/sampling.h"
+
+namespace ccst {
+
+/// Formats of sample files. Records are in the order of the samples.
+enum class SampleFormat {
+  kPly,    ///< Binary little endian: double x y z, float nx ny nz, int face, double bary_u bary_v.
+  kCsv,    ///< The same columns with a header line; text round-trips the doubles.
+  kXyz,    ///< `x y z` a line; text round-trips the doubles.
+  kObj,    ///< `v x y z` a line; text round-trips the doubles.
+  kDraco,  ///< A point cloud of 32-bit floats, in order.
+};
+
+/// Format by the path's extension, in any case; empty when it is none of .ply .csv .xyz .obj
+/// .drc.
+std::optional<SampleFormat> SampleFormatFromPath(std::string_view path);
+
+/// The bytes of a sample file. Cost O(n).
+/// @errors INVALID_ARGUMENT  arrays of unequal length; for Draco no samples or a position that is
+///                           no finite float
+absl::StatusOr<std::string> EncodeSamples(const SampleSet& samples, SampleFormat format);
+
+/// Writes the samples, atomically (see WriteFileAtomically), in `format` or, without one, in
+/// that of the path's extension. The path `-` is standard output and needs a format.
+/// @errors those of EncodeSamples and WriteFileAtomically, and INVALID_ARGUMENT for an extension
+///         that names no format
+absl::Status WriteSamplesFile(const SampleSet& samples, const std::string& path,
+                              std::optional<SampleFormat> format = std::nullopt);
+
+}  // namespace ccst
