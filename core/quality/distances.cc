@@ -1,0 +1,132 @@
+#include "core/quality/distances.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <nanoflann.hpp>
+
+namespace ccst::quality {
+namespace {
+
+// nanoflann's view of the positions.
+struct PointCloud {
+  std::span<const Eigen::Vector3d> points;
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  double kdtree_get_pt(std::size_t i, std::size_t dim) const {
+    return points[i][static_cast<Eigen::Index>(dim)];
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>,
+                                                 PointCloud, 3, std::int32_t>;
+
+// Keeps the nearest point that is not `self` and, if normals are given, on its side.
+// Equal distances go to the smaller index.
+class NearestOther {
+ public:
+  using DistanceType = double;
+  using IndexType = std::int32_t;
+
+  NearestOther(std::int32_t self, std::span<const Eigen::Vector3d> normals, double bound)
+      : self_(self), normals_(normals), squared_(bound) {}
+
+  std::size_t size() const { return index_ < 0 ? 0 : 1; }
+  bool full() const { return true; }
+  double worstDist() const { return squared_; }
+  bool addPoint(double squared, std::int32_t index) {
+    if (index == self_ || squared > squared_) return true;
+    if (squared == squared_ && index_ >= 0 && index > index_) return true;
+    if (!normals_.empty() && !(normals_[self_].dot(normals_[index]) > 0.0)) return true;
+    squared_ = squared;
+    index_ = index;
+    return true;
+  }
+
+  std::int32_t index() const { return index_; }
+  double squared() const { return squared_; }
+
+ private:
+  std::int32_t self_;
+  std::span<const Eigen::Vector3d> normals_;
+  double squared_;
+  std::int32_t index_ = -1;
+};
+
+// The translations under which a point of the box has to be looked up.
+std::vector<Eigen::Vector3d> Images(const Eigen::Vector3d& box) {
+  std::vector<Eigen::Vector3d> images = {Eigen::Vector3d::Zero()};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(box[axis] > 0.0)) continue;
+    const std::size_t count = images.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      for (const double sign : {-1.0, 1.0}) {
+        images.push_back(images[i] + sign * box[axis] * Eigen::Vector3d::Unit(axis));
+      }
+    }
+  }
+  return images;
+}
+
+NearestOther FindNearest(const Tree& tree, const Eigen::Vector3d& point,
+                         std::span<const Eigen::Vector3d> images, NearestOther nearest) {
+  for (const Eigen::Vector3d& image : images) {
+    const Eigen::Vector3d query = point + image;
+    tree.findNeighbors(nearest, query.data(), nanoflann::SearchParams());
+  }
+  return nearest;
+}
+
+void KeepCloser(std::int32_t self, const NearestOther& nearest, SamplePair& pair) {
+  if (nearest.index() < 0) return;
+  const double distance = std::sqrt(nearest.squared());
+  if (pair.first >= 0 && distance >= pair.distance) return;
+  pair = {std::min(self, nearest.index()), std::max(self, nearest.index()), distance};
+}
+
+}  // namespace
+
+double HexagonalSpacing(double area, std::int64_t count) {
+  return std::sqrt(2.0 * area / (std::sqrt(3.0) * static_cast<double>(count)));
+}
+
+DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
+                                 std::span<const Eigen::Vector3d> normals, double area,
+                                 const Eigen::Vector3d& periodic_box) {
+  DistanceFigures figures;
+  if (positions.empty()) return figures;
+  const auto count = static_cast<std::int32_t>(positions.size());
+  figures.r_max = HexagonalSpacing(area, count);
+  if (count < 2) return figures;
+
+  const PointCloud cloud{positions};
+  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(8));
+  const std::vector<Eigen::Vector3d> images = Images(periodic_box);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  double same_side_bound = kInfinity;
+  for (std::int32_t i = 0; i < count; ++i) {
+    const NearestOther any =
+        FindNearest(tree, positions[i], images, NearestOther(i, {}, kInfinity));
+    sum += std::sqrt(any.squared());
+    KeepCloser(i, any, figures.closest);
+    if (normals.empty()) continue;
+    // Only the closest pair of all is wanted: what is known bounds every further search.
+    const NearestOther same =
+        FindNearest(tree, positions[i], images, NearestOther(i, normals, same_side_bound));
+    same_side_bound = std::min(same_side_bound, same.squared());
+    KeepCloser(i, same, figures.closest_same_side);
+  }
+  if (normals.empty()) figures.closest_same_side = figures.closest;
+  figures.relative_radius = figures.closest.distance / figures.r_max;
+  figures.relative_radius_same_side = figures.closest_same_side.distance / figures.r_max;
+  figures.mean_nearest_distance = sum / count / figures.r_max;
+  return figures;
+}
+
+}  // namespace ccst::quality

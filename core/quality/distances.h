@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <Eigen/Core>
+
+namespace ccst::quality {
+
+/// r_max = sqrt(2 area / (sqrt(3) count)): the spacing of `count` > 0 points of a hexagonal
+/// lattice on `area` [mesh unit].
+double HexagonalSpacing(double area, std::int64_t count);
+
+/// Two samples and what lies between them.
+struct SamplePair {
+  std::int32_t first = -1;  ///< < second; -1 when there is no such pair.
+  std::int32_t second = -1;
+  double distance = 0.0;  ///< Straight [mesh unit].
+};
+
+/// Spacing of samples. Ratios are over r_max.
+struct DistanceFigures {
+  double r_max = 0.0;                      ///< [mesh unit]
+  double relative_radius = 0.0;            ///< Smallest distance of all pairs.
+  double relative_radius_same_side = 0.0;  ///< Of pairs with normals less than 90 degrees apart.
+  double mean_nearest_distance = 0.0;      ///< Mean distance to the nearest other sample.
+  SamplePair closest;                      ///< The pair of relative_radius.
+  SamplePair closest_same_side;            ///< The pair of relative_radius_same_side.
+};
+
+/// Measures the spacing of `positions` (n x 3, finite).
+/// @param normals       n x 3, those of the host faces; empty: every pair is on the same side.
+/// @param area          of the sampled surface, > 0 [mesh unit^2].
+/// @param periodic_box  extents of a box whose opposite sides are glued; 0 in a direction means
+///                      not periodic there. Extents must exceed twice r_max. With a box,
+///                      distances are those of the torus.
+/// Ratios without a pair (n < 2, or none on the same side) are 0.
+/// Cost O(n log n) with a k-d tree; about 0.2 s for n = 1e5.
+DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
+                                 std::span<const Eigen::Vector3d> normals, double area,
+                                 const Eigen::Vector3d& periodic_box = Eigen::Vector3d::Zero());
+
+}  // namespace ccst::quality

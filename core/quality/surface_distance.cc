@@ -1,0 +1,131 @@
+#include "core/quality/surface_distance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "core/quality/capacity.h"
+
+namespace ccst::quality {
+namespace {
+
+constexpr double kDefaultPoints = 1e5;
+// No face gets more rows, or points in a row: a needle shall not ask for billions.
+constexpr double kMaxSteps = 2000.0;
+
+// Collects weighted squares and the largest of distances to one tree.
+class Accumulator {
+ public:
+  explicit Accumulator(const TriangleTree& tree) : tree_(tree) {}
+
+  void Add(const Eigen::Vector3d& point, double weight) {
+    const double distance = tree_.FindClosest(point).distance;
+    largest_ = std::max(largest_, distance);
+    squares_ += weight * distance * distance;
+    weights_ += weight;
+  }
+  OneSidedDistance Result() const {
+    return {largest_, weights_ > 0.0 ? std::sqrt(squares_ / weights_) : 0.0};
+  }
+
+ private:
+  const TriangleTree& tree_;
+  double largest_ = 0.0;
+  double squares_ = 0.0;
+  double weights_ = 0.0;
+};
+
+int Steps(double length, double spacing) {
+  return static_cast<int>(std::clamp(std::ceil(length / spacing), 1.0, kMaxSteps));
+}
+
+// Visits the middle points of a grid over a triangle; each stands for an equal share of the
+// area of its row.
+void AddFace(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector3d& r,
+             double spacing, Accumulator& out) {
+  // Rows run parallel to the longest side, so that slivers need few points.
+  Eigen::Vector3d a = p, b = q, c = r;
+  const double pq = (q - p).squaredNorm(), qr = (r - q).squaredNorm(), rp = (p - r).squaredNorm();
+  if (qr >= pq && qr >= rp) {
+    a = q, b = r, c = p;
+  } else if (rp >= pq && rp >= qr) {
+    a = r, b = p, c = q;
+  }
+  const double base = (b - a).norm();
+  if (!(base > 0.0)) return;
+  const double height = (b - a).cross(c - a).norm() / base;
+  const int rows = Steps(height, spacing);
+  for (int row = 0; row < rows; ++row) {
+    const double t = (row + 0.5) / rows;
+    const double width = (1.0 - t) * base;
+    const int columns = Steps(width, spacing);
+    const Eigen::Vector3d begin = a + t * (c - a);
+    const Eigen::Vector3d end = b + t * (c - b);
+    for (int column = 0; column < columns; ++column) {
+      const double s = (column + 0.5) / columns;
+      out.Add(begin + s * (end - begin), width * height / rows / columns);
+    }
+  }
+}
+
+}  // namespace
+
+double LargestDistance(std::span<const Eigen::Vector3d> points, const TriangleTree& surface) {
+  double largest = 0.0;
+  for (const Eigen::Vector3d& point : points) {
+    largest = std::max(largest, surface.FindClosest(point).distance);
+  }
+  return largest;
+}
+
+SurfaceDistanceFigures MeasureSurfaceDistance(const TriangleMesh& surface,
+                                              const TriangleTree& surface_tree,
+                                              std::span<const Eigen::Vector3d> positions,
+                                              std::span<const Eigen::Vector3i> triangles,
+                                              double spacing) {
+  if (!(spacing > 0.0)) {
+    spacing = std::sqrt(TotalArea(surface.positions, surface.faces) / kDefaultPoints);
+  }
+  const TriangleTree sample_tree(positions, triangles);
+  Accumulator from_surface(sample_tree);
+  for (const Eigen::Vector3i& t : surface.faces) {
+    const Eigen::Vector3d& a = surface.positions[t[0]];
+    const Eigen::Vector3d& b = surface.positions[t[1]];
+    const Eigen::Vector3d& c = surface.positions[t[2]];
+    AddFace(a, b, c, spacing, from_surface);
+  }
+  std::vector<bool> used(surface.positions.size(), false);
+  for (const Eigen::Vector3i& t : surface.faces) {
+    for (const int v : t) {
+      if (!used[v]) from_surface.Add(surface.positions[v], 0.0);
+      used[v] = true;
+    }
+  }
+
+  // Vertices, midpoints and centroid with the weights of the seven-point rule, exact for cubics.
+  Accumulator from_samples(surface_tree);
+  for (const Eigen::Vector3i& t : triangles) {
+    const Eigen::Vector3d& a = positions[t[0]];
+    const Eigen::Vector3d& b = positions[t[1]];
+    const Eigen::Vector3d& c = positions[t[2]];
+    const double area = 0.5 * (b - a).cross(c - a).norm();
+    for (const Eigen::Vector3d* corner : {&a, &b, &c}) from_samples.Add(*corner, area / 20.0);
+    for (const Eigen::Vector3d& middle :
+         {Eigen::Vector3d((a + b) / 2.0), Eigen::Vector3d((b + c) / 2.0),
+          Eigen::Vector3d((c + a) / 2.0)}) {
+      from_samples.Add(middle, area * 2.0 / 15.0);
+    }
+    from_samples.Add((a + b + c) / 3.0, area * 9.0 / 20.0);
+  }
+
+  SurfaceDistanceFigures figures;
+  figures.surface_to_samples = from_surface.Result();
+  figures.samples_to_surface = from_samples.Result();
+  figures.hausdorff =
+      std::max(figures.surface_to_samples.largest, figures.samples_to_surface.largest);
+  figures.rms = std::max(figures.surface_to_samples.rms, figures.samples_to_surface.rms);
+  return figures;
+}
+
+}  // namespace ccst::quality
