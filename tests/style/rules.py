@@ -1,0 +1,88 @@
+"""The architecture as data: which room may include what. Read by check_includes.
+
+Arrows go only downwards: a room may include itself and what its entry reaches. A file that
+needs more is listed by name in FILE_EXCEPTIONS with the reason.
+"""
+
+# room -> rooms it may include directly; what those may include is allowed too.
+ROOMS = {
+    "core/base": [],
+    "core/random": ["core/base"],
+    "core/parallel": ["core/base"],
+    "core/mesh": ["core/random", "core/parallel"],
+    "core/spatial": ["core/mesh"],
+    "core/surface": ["core/spatial"],
+    "core/repair": ["core/surface"],
+    "core/density": ["core/surface"],
+    "core/sampling": ["core/density", "core/repair"],
+    "core/quality": ["core/sampling"],
+    "core/io": ["core/sampling"],
+    "proto": [],
+    "proto/convert": ["proto", "core/quality", "core/io"],
+    "server/blobs": ["core/io"],
+    "server/store": ["core/base"],
+    "server/metrics": ["core/base"],
+    "server/jobs": ["core/quality", "server/blobs", "server/store"],
+    "server/rpc": ["proto/convert", "server/jobs", "server/metrics"],
+    "server/app": ["server/rpc"],
+    "server": ["server/app"],
+    "client/lib": ["proto/convert"],
+    "client/render": ["core/sampling"],
+    "client/cli": ["client/lib", "client/render", "core/quality", "core/io"],
+    "client": ["client/cli"],
+}
+
+# Folders that may include any room.
+UNRESTRICTED = ["tests"]
+
+# (room, rooms reached through the table that it must not include itself).
+DENIED = {
+    "client/lib": ["core/io"],
+    "proto/convert": ["core/io"],
+}
+
+# name -> (regular expression on the include path, rooms that may include it).
+EXTERNALS = {
+    "generated protobuf code": (
+        r"^google/protobuf/|\.pb\.h$",
+        ["proto", "proto/convert", "server/rpc", "server/app", "client/lib", "client/cli"],
+    ),
+    "gRPC": (
+        r"^grpc(pp|\+\+)?/|\.grpc\.pb\.h$",
+        ["proto", "server/rpc", "server/app", "server", "client/lib", "client/cli"],
+    ),
+    "Draco": (r"^draco/", ["core/io"]),
+    "command-line flags": (
+        r"^absl/flags/|^CLI/|^getopt\.h$",
+        ["server", "server/app", "client", "client/cli"],
+    ),
+    "logging": (
+        r"^absl/log/|^glog/|^spdlog/|^iostream$|^syslog\.h$",
+        ["server/rpc", "server/app", "server", "server/metrics", "client/cli", "client"],
+    ),
+    "nanoflann": (r"^nanoflann", ["core/spatial", "core/quality"]),
+}
+
+# (regular expression on code, rooms it must not occur in, why).
+FORBIDDEN_CODE = [
+    (
+        r"std::(mt19937|random_device|default_random_engine|rand\b|uniform_|normal_distribution)",
+        ["core", "server", "proto", "client/lib"],
+        "samples come from core/random alone: std distributions differ between libraries",
+    ),
+    (
+        r"\b(system_clock|high_resolution_clock)\b",
+        ["core"],
+        "core measures with steady_clock and knows no date",
+    ),
+    (
+        r"\bthrow\b(?!\s*\()",
+        ["core", "proto/convert", "server/jobs"],
+        "errors are values: absl::Status, see core/docs/adr",
+    ),
+    (r"\busing namespace (?!std::(\w+_)?literals)", [""], "name what is used"),
+]
+
+# file -> {what it may include or do besides: reason}. "what" is a room, a name of EXTERNALS, or
+# the regular expression of a FORBIDDEN_CODE row.
+FILE_EXCEPTIONS = {}
