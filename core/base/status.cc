@@ -11,7 +11,7 @@ namespace {
 
 constexpr char kReasonPayloadUrl[] = "ccst/error-reason";
 
-constexpr std::array<std::pair<ErrorReason, std::string_view>, 8> kReasonNames = {{
+constexpr std::array<std::pair<ErrorReason, std::string_view>, 14> kReasonNames = {{
     {ErrorReason::kOptionInvalid, "OPTION_INVALID"},
     {ErrorReason::kMeshUnreadable, "MESH_UNREADABLE"},
     {ErrorReason::kDracoDecodeFailed, "DRACO_DECODE_FAILED"},
@@ -20,6 +20,12 @@ constexpr std::array<std::pair<ErrorReason, std::string_view>, 8> kReasonNames =
     {ErrorReason::kMeshNotManifold, "MESH_NOT_MANIFOLD"},
     {ErrorReason::kCountTooSmall, "COUNT_TOO_SMALL"},
     {ErrorReason::kLimitExceeded, "LIMIT_EXCEEDED"},
+    {ErrorReason::kRequestInvalid, "REQUEST_INVALID"},
+    {ErrorReason::kQueueFull, "QUEUE_FULL"},
+    {ErrorReason::kDraining, "DRAINING"},
+    {ErrorReason::kCancelled, "CANCELLED"},
+    {ErrorReason::kOutOfMemory, "OUT_OF_MEMORY"},
+    {ErrorReason::kInternal, "INTERNAL"},
 }};
 
 }  // namespace

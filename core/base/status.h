@@ -20,6 +20,12 @@ enum class ErrorReason {
   kMeshNotManifold,    ///< An edge, a vertex or the orientation is not that of a 2-manifold.
   kCountTooSmall,      ///< Fewer samples than the surface's topology needs.
   kLimitExceeded,      ///< An announced limit was passed.
+  kRequestInvalid,     ///< A part of the request is missing or of the wrong form.
+  kQueueFull,          ///< No more jobs may wait just now.
+  kDraining,           ///< The server is going away.
+  kCancelled,          ///< The caller went away or asked to stop.
+  kOutOfMemory,        ///< The computation needs more memory than there is.
+  kInternal,           ///< A fault of the program.
 };
 
 /// UPPER_SNAKE_CASE name, for example `MESH_NOT_MANIFOLD`.
