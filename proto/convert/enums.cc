@@ -1,0 +1,85 @@
+#include "proto/convert/enums.h"
+
+namespace ccst {
+
+v1::Energy ToProto(Energy energy) {
+  switch (energy) {
+    case Energy::kTarget:
+      return v1::ENERGY_TARGET;
+    case Energy::kSquaredArea:
+      return v1::ENERGY_SQUARED_AREA;
+  }
+  return v1::ENERGY_UNSPECIFIED;
+}
+
+v1::JobPhase ToProto(Phase phase) {
+  switch (phase) {
+    case Phase::kPreparing:
+      return v1::JOB_PHASE_PREPARING;
+    case Phase::kInitializing:
+      return v1::JOB_PHASE_INITIALIZING;
+    case Phase::kRelaxing:
+      return v1::JOB_PHASE_RELAXING;
+    case Phase::kFinalizing:
+      return v1::JOB_PHASE_FINALIZING;
+  }
+  return v1::JOB_PHASE_UNSPECIFIED;
+}
+
+v1::TerminationReason ToProto(Termination termination) {
+  switch (termination) {
+    case Termination::kConverged:
+      return v1::TERMINATION_REASON_CONVERGED;
+    case Termination::kIterationLimit:
+      return v1::TERMINATION_REASON_ITERATION_LIMIT;
+    case Termination::kTimeLimit:
+      return v1::TERMINATION_REASON_TIME_LIMIT;
+    case Termination::kStopped:
+      return v1::TERMINATION_REASON_CANCELLED;
+  }
+  return v1::TERMINATION_REASON_UNSPECIFIED;
+}
+
+std::optional<Energy> FromProto(v1::Energy energy) {
+  switch (energy) {
+    case v1::ENERGY_UNSPECIFIED:
+    case v1::ENERGY_TARGET:
+      return Energy::kTarget;
+    case v1::ENERGY_SQUARED_AREA:
+      return Energy::kSquaredArea;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<Phase> FromProto(v1::JobPhase phase) {
+  switch (phase) {
+    case v1::JOB_PHASE_PREPARING:
+      return Phase::kPreparing;
+    case v1::JOB_PHASE_INITIALIZING:
+      return Phase::kInitializing;
+    case v1::JOB_PHASE_RELAXING:
+      return Phase::kRelaxing;
+    case v1::JOB_PHASE_FINALIZING:
+      return Phase::kFinalizing;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<Termination> FromProto(v1::TerminationReason reason) {
+  switch (reason) {
+    case v1::TERMINATION_REASON_CONVERGED:
+      return Termination::kConverged;
+    case v1::TERMINATION_REASON_ITERATION_LIMIT:
+      return Termination::kIterationLimit;
+    case v1::TERMINATION_REASON_TIME_LIMIT:
+      return Termination::kTimeLimit;
+    case v1::TERMINATION_REASON_CANCELLED:
+      return Termination::kStopped;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace ccst

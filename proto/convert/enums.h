@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+
+#include "ccst/v1/job.pb.h"
+#include "core/sampling/run_control.h"
+#include "core/sampling/sampling.h"
+
+namespace ccst {
+
+v1::Energy ToProto(Energy energy);
+v1::JobPhase ToProto(Phase phase);
+v1::TerminationReason ToProto(Termination termination);
+
+/// Empty for values this version does not know. Unspecified is the default, kTarget.
+std::optional<Energy> FromProto(v1::Energy energy);
+
+/// Empty for unspecified and for values this version does not know.
+std::optional<Phase> FromProto(v1::JobPhase phase);
+std::optional<Termination> FromProto(v1::TerminationReason reason);
+
+}  // namespace ccst

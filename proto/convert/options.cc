@@ -1,0 +1,137 @@
+#include "proto/convert/options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "proto/convert/enums.h"
+#include "proto/convert/scalars.h"
+
+namespace ccst {
+namespace {
+
+void CheckMesh(const v1::SampleRequest& request, const RequestLimits& limits,
+               Violations& violations) {
+  constexpr ErrorReason kInvalid = ErrorReason::kRequestInvalid;
+  if (!request.has_inline_mesh()) {
+    violations.Add("inline_mesh", "is missing, must be a Draco mesh", kInvalid);
+    return;
+  }
+  const v1::InlineMesh& mesh = request.inline_mesh();
+  if (mesh.format() != v1::MESH_FORMAT_DRACO) {
+    violations.Add("inline_mesh.format", "must be MESH_FORMAT_DRACO", kInvalid);
+  }
+  const auto size = static_cast<std::int64_t>(mesh.data().size());
+  if (size == 0) {
+    violations.Add("inline_mesh.data", "is empty, must be a Draco mesh", kInvalid);
+  } else if (size > limits.max_inline_mesh_bytes) {
+    violations.AddLimit("inline_mesh.data", "max_inline_mesh_bytes", limits.max_inline_mesh_bytes,
+                        size);
+  }
+  if (mesh.has_origin() && !FromProto(mesh.origin()).allFinite()) {
+    violations.Add("inline_mesh.origin", "must be finite", kInvalid);
+  }
+}
+
+bool IsPositiveDuration(const google::protobuf::Duration& duration) {
+  constexpr std::int64_t kMaxSeconds = 315'576'000'000;
+  return duration.seconds() >= 0 && duration.seconds() <= kMaxSeconds && duration.nanos() >= 0 &&
+         duration.nanos() < 1'000'000'000 && (duration.seconds() > 0 || duration.nanos() > 0);
+}
+
+}  // namespace
+
+v1::SamplingOptions ToProto(const SamplingOptions& options) {
+  v1::SamplingOptions message;
+  message.set_sample_count(options.sample_count);
+  message.set_max_iterations(options.max_iterations);
+  message.set_relative_tolerance(options.relative_tolerance);
+  message.set_seed(options.seed);
+  message.set_energy(ToProto(options.energy));
+  if (options.time_limit_seconds.has_value()) {
+    *message.mutable_time_limit() = DurationToProto(*options.time_limit_seconds);
+  }
+  return message;
+}
+
+SamplingOptions FromProto(const v1::SamplingOptions& options, const RequestLimits& limits,
+                          const std::string& path, Violations& violations) {
+  const std::string prefix = path.empty() ? "" : path + ".";
+  SamplingOptions result;
+  result.sample_count = options.sample_count();
+  if (result.sample_count < kMinSampleCount) {
+    violations.Add(prefix + "sample_count", "is " + std::to_string(result.sample_count) +
+                                                ", must be at least " +
+                                                std::to_string(kMinSampleCount));
+  } else if (result.sample_count > limits.max_sample_count) {
+    violations.AddLimit(prefix + "sample_count", "max_sample_count", limits.max_sample_count,
+                        result.sample_count);
+  }
+  result.max_iterations = std::min(result.max_iterations, limits.max_iterations);
+  if (options.has_max_iterations()) {
+    result.max_iterations = options.max_iterations();
+    if (result.max_iterations < 0) {
+      violations.Add(prefix + "max_iterations",
+                     "is " + std::to_string(result.max_iterations) + ", must be at least 0");
+    } else if (result.max_iterations > limits.max_iterations) {
+      violations.AddLimit(prefix + "max_iterations", "max_iterations", limits.max_iterations,
+                          result.max_iterations);
+    }
+  }
+  if (options.has_relative_tolerance()) {
+    result.relative_tolerance = options.relative_tolerance();
+    if (!std::isfinite(result.relative_tolerance) || result.relative_tolerance <= 0.0) {
+      violations.Add(prefix + "relative_tolerance", "must be finite and above 0");
+    }
+  }
+  if (options.has_seed()) result.seed = options.seed();
+  result.time_limit_seconds = limits.max_job_seconds;
+  if (options.has_time_limit()) {
+    if (IsPositiveDuration(options.time_limit())) {
+      result.time_limit_seconds =
+          std::min(limits.max_job_seconds, SecondsFromProto(options.time_limit()));
+    } else {
+      violations.Add(prefix + "time_limit", "must be a valid duration above 0");
+    }
+  }
+  if (const auto energy = FromProto(options.energy())) {
+    result.energy = *energy;
+  } else {
+    violations.Add(prefix + "energy", "is " + std::to_string(options.energy()) +
+                                          ", must be ENERGY_TARGET (1) or ENERGY_SQUARED_AREA (2)");
+  }
+  return result;
+}
+
+absl::StatusOr<SamplingOptions> FromProto(const v1::SamplingOptions& options,
+                                          const RequestLimits& limits) {
+  Violations violations;
+  SamplingOptions result = FromProto(options, limits, "", violations);
+  CCST_RETURN_IF_ERROR(violations.ToStatus());
+  return result;
+}
+
+absl::StatusOr<SampleCall> FromProto(const v1::SampleRequest& request,
+                                     const RequestLimits& limits) {
+  Violations violations;
+  SampleCall call;
+  CheckMesh(request, limits, violations);
+  call.has_origin = request.inline_mesh().has_origin();
+  call.origin = FromProto(request.inline_mesh().origin());
+  if (request.has_options()) {
+    call.options = FromProto(request.options(), limits, "options", violations);
+  } else {
+    violations.Add("options", "is missing, must at least have a sample_count",
+                   ErrorReason::kRequestInvalid);
+  }
+  call.preview_sample_count = request.preview_sample_count();
+  if (call.preview_sample_count < 0 || call.preview_sample_count > kMaxPreviewSampleCount) {
+    violations.Add("preview_sample_count", "is " + std::to_string(call.preview_sample_count) +
+                                               ", must be in [0, " +
+                                               std::to_string(kMaxPreviewSampleCount) + "]");
+  }
+  CCST_RETURN_IF_ERROR(violations.ToStatus());
+  return call;
+}
+
+}  // namespace ccst

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+
+#include "absl/status/status.h"
+#include "ccst/v1/sampling_service.pb.h"
+#include "core/sampling/sampling.h"
+
+namespace ccst {
+
+/// Most samples in a `SampleChunk` and triangles in a `SampleMeshChunk`: under 1 MiB encoded.
+inline constexpr std::int64_t kMaxChunkLength = 16'384;
+
+/// Samples [start, start + count) of `samples`, which must hold them.
+v1::SampleChunk SampleChunkToProto(const SampleSet& samples, std::int64_t start,
+                                   std::int64_t count);
+
+/// Triangles [start, start + count) of `samples`, which must hold them.
+v1::SampleMeshChunk SampleMeshChunkToProto(const SampleSet& samples, std::int64_t start,
+                                           std::int64_t count);
+
+/// Appends the chunk to `samples`. Positions and normals have the precision of floats; faces and
+/// barycentrics are exact.
+/// @errors INTERNAL when the chunk does not start where `samples` ends, its arrays do not fit
+///         each other, or a triangle names a sample not in `samples`; nothing is appended then.
+absl::Status AppendChunk(const v1::SampleChunk& chunk, SampleSet& samples);
+absl::Status AppendChunk(const v1::SampleMeshChunk& chunk, SampleSet& samples);
+
+}  // namespace ccst

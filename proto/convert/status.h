@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "ccst/v1/error.pb.h"
+#include "google/protobuf/message.h"
+
+namespace ccst {
+
+/// `ErrorInfo.domain` of every error of ours.
+inline constexpr char kErrorDomain[] = "ccst.v1";
+
+/// Longest `Status.message` sent, in bytes; longer ones are cut at a character boundary.
+inline constexpr std::size_t kMaxStatusMessageBytes = 1024;
+
+/// Attaches `detail` to `status`, which must not be OK; a detail of the same type is replaced.
+/// ToProto() puts it into `Status.details`.
+void SetDetail(const google::protobuf::Message& detail, absl::Status& status);
+
+/// Reads the detail of the type of `detail` into it; false when there is none.
+bool GetDetail(const absl::Status& status, google::protobuf::Message& detail);
+
+/// The wire form of a status that is not OK: code, message, an `ErrorInfo` with the reason
+/// inside (CANCELLED or INTERNAL, by the code, for a status without one) and the details set.
+v1::Status ToProto(const absl::Status& status);
+
+/// The reverse. Details that are not `ErrorInfo` are kept for GetDetail(); a reason this version
+/// does not know leaves GetErrorReason() empty, and its `ErrorInfo` readable by GetDetail().
+absl::Status FromProto(const v1::Status& status);
+
+}  // namespace ccst
