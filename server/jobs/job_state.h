@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+namespace ccst::server {
+
+/// Life of a job. Ended states never change.
+enum class JobState { kQueued, kRunning, kCancelling, kSucceeded, kFailed, kCancelled };
+
+/// What can happen to a job.
+enum class JobEvent {
+  kTaken,      ///< A worker takes it.
+  kCancel,     ///< The caller went away or asked to stop.
+  kFinished,   ///< The run returned a whole result.
+  kStopped,    ///< The run stopped because it was asked to.
+  kFailed,     ///< The run was refused or broke.
+  kDrainEnds,  ///< The server cannot wait any longer.
+};
+
+/// The state after `event`; empty where the event cannot happen in `state`.
+std::optional<JobState> NextState(JobState state, JobEvent event);
+
+/// True for SUCCEEDED, FAILED and CANCELLED.
+bool HasEnded(JobState state);
+
+}  // namespace ccst::server
