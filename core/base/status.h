@@ -40,8 +40,8 @@ std::optional<ErrorReason> GetErrorReason(const absl::Status& status);
 }  // namespace ccst
 
 /// Returns from the enclosing function when `expression` is not OK.
-#define CCST_RETURN_IF_ERROR(expression)                        \
-  do {                                                          \
+#define CCST_RETURN_IF_ERROR(expression)                                                   \
+  do {                                                                                     \
     if (absl::Status ccst_status_ = (expression); !ccst_status_.ok()) return ccst_status_; \
   } while (false)
 

@@ -29,15 +29,15 @@ enum class Energy {
 /// Everything that determines the samples, apart from the mesh. `thread_count` must not
 /// change them.
 struct SamplingOptions {
-  std::int64_t sample_count = 0;      ///< Required, in [kMinSampleCount, kMaxSampleCount].
-  int max_iterations = 60;            ///< Alternations, in [0, kMaxAlternations]; 0: initial set.
-  double relative_tolerance = 1e-2;   ///< > 0; stop when capacity_cv improves by less.
-  std::uint64_t seed = 0;             ///< Part of the result's identity.
+  std::int64_t sample_count = 0;     ///< Required, in [kMinSampleCount, kMaxSampleCount].
+  int max_iterations = 60;           ///< Alternations, in [0, kMaxAlternations]; 0: initial set.
+  double relative_tolerance = 1e-2;  ///< > 0; stop when capacity_cv improves by less.
+  std::uint64_t seed = 0;            ///< Part of the result's identity.
   Energy energy = Energy::kTarget;
   /// Wall-clock bound of the computation [s], > 0; a run that hits it returns its last whole
   /// iterate. Results then depend on the machine.
   std::optional<double> time_limit_seconds;
-  int thread_count = 1;               ///< >= 1.
+  int thread_count = 1;  ///< >= 1.
 
   /// INVALID_ARGUMENT naming the first wrong field and its range.
   absl::Status Validate() const;
@@ -50,13 +50,14 @@ enum class Termination { kConverged, kIterationLimit, kTimeLimit, kStopped };
 struct SurfaceSummary {
   std::int64_t vertices = 0;  ///< After merging bitwise equal positions; isolated ones dropped.
   std::int64_t faces = 0;
-  double area = 0.0;          ///< [mesh unit^2]
-  double diagonal = 0.0;      ///< Of the bounding box [mesh unit].
+  double area = 0.0;      ///< [mesh unit^2]
+  double diagonal = 0.0;  ///< Of the bounding box [mesh unit].
   std::int64_t components = 0;
   std::int64_t boundary_loops = 0;
-  std::int64_t euler = 0;     ///< V - E + F.
-  std::int64_t closed_loops = 0;    ///< Boundary loops too short for samples, closed in the sample mesh.
-  std::int64_t welded_vertices = 0; ///< Vertices merged into an equal one.
+  std::int64_t euler = 0;  ///< V - E + F.
+  std::int64_t closed_loops =
+      0;  ///< Boundary loops too short for samples, closed in the sample mesh.
+  std::int64_t welded_vertices = 0;    ///< Vertices merged into an equal one.
   std::int64_t isolated_vertices = 0;  ///< Vertices of no face, ignored.
 };
 
@@ -76,8 +77,8 @@ struct SamplingResult {
   SurfaceSummary surface;
   Termination termination = Termination::kConverged;
   int alternations = 0;
-  std::int64_t passes = 0;       ///< Sweeps over all samples, summed over the alternations.
-  double energy = 0.0;           ///< As in AlternationReport.
+  std::int64_t passes = 0;  ///< Sweeps over all samples, summed over the alternations.
+  double energy = 0.0;      ///< As in AlternationReport.
   double capacity_cv = 0.0;
   double relative_radius = 0.0;  ///< d_min / r_max between samples on the same side.
   double prepare_seconds = 0.0;

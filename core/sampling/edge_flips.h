@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/sampling/sample_mesh.h"
+
+namespace ccst {
+
+/// The topology phase: flips edges until every edge is locally Delaunay (opposite angles sum to
+/// at most pi), except where the flip would turn a triangle over against the surface.
+/// Every flip lowers the area of the sample mesh, so the loop ends.
+/// Source: Dyer, Zhang, Moeller, "Delaunay mesh construction", SGP 2007.
+class EdgeFlips {
+ public:
+  /// @param position, normal  per vertex of `mesh`; neither is owned, all must outlive this.
+  EdgeFlips(SampleMesh* mesh, const std::vector<Eigen::Vector3d>* position,
+            const std::vector<Eigen::Vector3d>* normal)
+      : mesh_(*mesh), position_(*position), normal_(*normal) {}
+
+  /// Flips until nothing changes. @return the number of flips. Cost O(edges + flips).
+  std::int64_t FlipAll();
+
+  /// The same, starting from the triangles around `v` only.
+  std::int64_t FlipAround(std::int32_t v);
+
+  /// The same, starting from the edges around the vertices with a non-zero flag.
+  std::int64_t FlipAround(const std::vector<std::uint8_t>& flags);
+
+  /// Vertices of flipped triangles since the last clear; may repeat.
+  std::vector<std::int32_t> touched;
+
+ private:
+  bool IsWanted(std::int32_t h) const;
+  std::int64_t Drain();
+  void Push(std::int32_t h);
+
+  SampleMesh& mesh_;
+  const std::vector<Eigen::Vector3d>& position_;
+  const std::vector<Eigen::Vector3d>& normal_;
+  std::vector<std::int32_t> stack_;
+};
+
+/// Cosine-like measure of how far triangle (a, b, c) is turned from the surface: its unit normal
+/// times the unit sum of the surface normals at its corners; negative when turned over.
+double Facing(const std::vector<Eigen::Vector3d>& position,
+              const std::vector<Eigen::Vector3d>& normal, std::int32_t a, std::int32_t b,
+              std::int32_t c);
+
+}  // namespace ccst

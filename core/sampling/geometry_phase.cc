@@ -1,0 +1,307 @@
+#include "core/sampling/geometry_phase.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "core/surface/frame.h"
+
+namespace ccst {
+namespace {
+
+constexpr int kMaxRing = 96;
+constexpr int kMaxHalvings = 4;
+/// Least cosine between a triangle and the surface after a move, unless it was worse before.
+constexpr double kLeastFacing = 0.2;
+/// Longest step in units of the local spacing.
+constexpr double kLongestStep = 0.5;
+/// Bounds a triangle's capacity away from zero in the majoriser's gradient.
+constexpr double kLeastCapacity = 0.05;
+
+}  // namespace
+
+/// The neighbours of one vertex, counter-clockwise, and what the update needs of them.
+struct GeometryPhase::Ring {
+  int neighbours = 0;
+  int triangles = 0;   ///< As many as neighbours, or one less on the boundary.
+  double scale = 0.0;  ///< c = scale * |cross product|.
+  double energy = 0.0;
+  double least_facing = 0.0;
+  double spacing = 0.0;
+  std::array<std::int32_t, kMaxRing> vertex;
+  std::array<Eigen::Vector3d, kMaxRing> position;
+  std::array<Eigen::Vector3d, kMaxRing> normal;
+};
+
+GeometryPhase::GeometryPhase(const Surface* surface, const Plan* plan, Energy energy,
+                             const SampleMesh* mesh, Samples* samples)
+    : surface_(*surface), plan_(*plan), energy_(energy), mesh_(*mesh), samples_(*samples) {
+  for (const ComponentPlan& component : plan->components) scale_.push_back(1.0 / component.target);
+  active_.assign(samples->count(), 0);
+  next_.assign(samples->count(), 1);
+  moved_.assign(samples->count(), 1);
+}
+
+void GeometryPhase::Activate(std::int32_t v) {
+  next_[v] = 1;
+  mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
+    next_[mesh_.Target(h)] = 1;
+    next_[mesh_.Apex(h)] = 1;
+  });
+}
+
+void GeometryPhase::ActivateAll() { std::fill(next_.begin(), next_.end(), std::uint8_t{1}); }
+
+std::int64_t GeometryPhase::ActiveCount() const {
+  return std::count(next_.begin(), next_.end(), std::uint8_t{1});
+}
+
+void GeometryPhase::ClearMoved() { std::fill(moved_.begin(), moved_.end(), std::uint8_t{0}); }
+
+double GeometryPhase::Capacity(std::int32_t t) const {
+  const Eigen::Vector3d& a = samples_.position[mesh_.origin[3 * t]];
+  const Eigen::Vector3d& b = samples_.position[mesh_.origin[3 * t + 1]];
+  const Eigen::Vector3d& c = samples_.position[mesh_.origin[3 * t + 2]];
+  return 0.5 * scale_[samples_.component[mesh_.origin[3 * t]]] * (b - a).cross(c - a).norm();
+}
+
+double GeometryPhase::MeanEnergy() const {
+  double sum = 0.0;
+  for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
+    const double c = Capacity(t);
+    sum += energy_ == Energy::kTarget ? (c - 1.0) * (c - 1.0) : c * c;
+  }
+  return sum / mesh_.triangle_count();
+}
+
+double GeometryPhase::CapacityCv() const {
+  double sum = 0.0;
+  double squares = 0.0;
+  for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
+    const double c = Capacity(t);
+    sum += c;
+    squares += c * c;
+  }
+  const double mean = sum / mesh_.triangle_count();
+  const double variance = squares / mesh_.triangle_count() - mean * mean;
+  return mean > 0.0 ? std::sqrt(std::max(0.0, variance)) / mean : 0.0;
+}
+
+bool GeometryPhase::Gather(std::int32_t v, Ring* ring) const {
+  int count = 0;
+  const std::int32_t start = mesh_.outgoing[v];
+  std::int32_t h = start;
+  const auto add = [&](std::int32_t u) {
+    ring->vertex[count] = u;
+    ring->position[count] = samples_.position[u];
+    ring->normal[count] = samples_.normal[u];
+    ++count;
+  };
+  while (true) {
+    if (count + 1 >= kMaxRing) return false;
+    add(mesh_.Target(h));
+    const std::int32_t previous = SampleMesh::Previous(h);
+    const std::int32_t turned = mesh_.twin[previous];
+    if (turned < 0) {
+      add(mesh_.origin[previous]);
+      ring->triangles = count - 1;
+      break;
+    }
+    if (turned == start) {
+      ring->triangles = count;
+      break;
+    }
+    h = turned;
+  }
+  ring->neighbours = count;
+  ring->scale = 0.5 * scale_[samples_.component[v]];
+  return true;
+}
+
+bool GeometryPhase::Evaluate(const Ring& ring, const Eigen::Vector3d& position,
+                             const Eigen::Vector3d& normal, double* energy) const {
+  double sum = 0.0;
+  for (int i = 0; i < ring.triangles; ++i) {
+    const int j = i + 1 == ring.neighbours ? 0 : i + 1;
+    const Eigen::Vector3d cross = (ring.position[i] - position).cross(ring.position[j] - position);
+    const double length = cross.norm();
+    const Eigen::Vector3d up = normal + ring.normal[i] + ring.normal[j];
+    const double facing = cross.dot(up);
+    const double unit = length * up.norm();
+    if (facing < kLeastFacing * unit && facing <= ring.least_facing * unit) return false;
+    const double c = ring.scale * length;
+    sum += energy_ == Energy::kTarget ? (c - 1.0) * (c - 1.0) : c * c;
+    if (sum > ring.energy) return false;
+  }
+  *energy = sum;
+  return true;
+}
+
+double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring) {
+  const Eigen::Vector3d s = samples_.position[v];
+  const Eigen::Vector3d n = samples_.normal[v];
+  Eigen::Vector3d t1;
+  Eigen::Vector3d t2;
+  TangentFrame(n, &t1, &t2);
+
+  // Gradient of the ring's energy and the Hessian of sum c^2 in the tangent plane; for a triangle
+  // (s, p, q) with opposite edge e = q - p and cross product x, grad |x|^2 = 2 x cross e and
+  // hess |x|^2 = 2 (|e|^2 I - e e').
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  double h11 = 0.0;
+  double h12 = 0.0;
+  double h22 = 0.0;
+  double area = 0.0;
+  ring->energy = 0.0;
+  ring->least_facing = 1.0;
+  for (int i = 0; i < ring->triangles; ++i) {
+    const int j = i + 1 == ring->neighbours ? 0 : i + 1;
+    const Eigen::Vector3d e = ring->position[j] - ring->position[i];
+    const Eigen::Vector3d cross = (ring->position[i] - s).cross(ring->position[j] - s);
+    const double length = cross.norm();
+    const double c = ring->scale * length;
+    area += length;
+    const Eigen::Vector3d up = n + ring->normal[i] + ring->normal[j];
+    const double unit = length * up.norm();
+    ring->least_facing = std::min(ring->least_facing, unit > 0.0 ? cross.dot(up) / unit : -1.0);
+    double pull = 1.0;
+    if (energy_ == Energy::kTarget) {
+      ring->energy += (c - 1.0) * (c - 1.0);
+      pull = 1.0 - 1.0 / std::max(c, kLeastCapacity);
+    } else {
+      ring->energy += c * c;
+    }
+    gradient += pull * cross.cross(e);
+    const double e1 = e.dot(t1);
+    const double e2 = e.dot(t2);
+    const double ee = e.squaredNorm();
+    h11 += ee - e1 * e1;
+    h12 -= e1 * e2;
+    h22 += ee - e2 * e2;
+  }
+  ring->spacing = std::sqrt(2.0 / std::sqrt(3.0) * area / ring->triangles);
+  const double g1 = gradient.dot(t1);
+  const double g2 = gradient.dot(t2);
+  const double bend = gradient.dot(n);
+  const Eigen::Matrix<double, 6, 1> shape = surface_.ShapeAt(samples_.face[v], samples_.weights[v]);
+  const double ii11 = TensorProduct(shape, t1, t1);
+  const double ii12 = TensorProduct(shape, t1, t2);
+  const double ii22 = TensorProduct(shape, t2, t2);
+  const double m11 = h11 + bend * ii11;
+  const double m12 = h12 + bend * ii12;
+  const double m22 = h22 + bend * ii22;
+  // Where bending makes the form indefinite, the majoriser without it is still convex.
+  double determinant = m11 * m22 - m12 * m12;
+  double u;
+  double w;
+  if (m11 > 0.0 && determinant > 1e-3 * (h11 * h22 - h12 * h12)) {
+    u = (-g1 * m22 + g2 * m12) / determinant;
+    w = (-g2 * m11 + g1 * m12) / determinant;
+  } else {
+    determinant = h11 * h22 - h12 * h12;
+    if (!(determinant > 0.0)) return 0.0;
+    u = (-g1 * h22 + g2 * h12) / determinant;
+    w = (-g2 * h11 + g1 * h12) / determinant;
+  }
+  const double size = std::hypot(u, w);
+  // Below this the move would count as rest however it ended.
+  if (!(size > 0.1 * rest * ring->spacing)) return 0.0;
+  double factor = std::min(stretch, kLongestStep * ring->spacing / size);
+  for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, factor *= 0.5) {
+    const double du = factor * u;
+    const double dw = factor * w;
+    const double rise = 0.5 * (ii11 * du * du + 2.0 * ii12 * du * dw + ii22 * dw * dw);
+    const SurfacePoint point = surface_.Follow(samples_.face[v], s + du * t1 + dw * t2 + rise * n);
+    const Eigen::Vector3d normal = surface_.NormalAt(point.face, point.weights);
+    double energy = 0.0;
+    if (!Evaluate(*ring, point.position, normal, &energy)) continue;
+    samples_.position[v] = point.position;
+    samples_.face[v] = point.face;
+    samples_.weights[v] = point.weights;
+    samples_.normal[v] = normal;
+    return (point.position - s).norm();
+  }
+  return 0.0;
+}
+
+double GeometryPhase::MoveBoundary(std::int32_t v, Ring* ring) {
+  const std::int32_t loop = samples_.loop[v];
+  const double length = plan_.loops[loop].length;
+  const Eigen::Vector3d s = samples_.position[v];
+  const Eigen::Vector3d n = samples_.normal[v];
+  const Eigen::Vector3d chord = ring->position[0] - ring->position[ring->neighbours - 1];
+  const double chord_length = chord.norm();
+  if (!(chord_length > 0.0)) return 0.0;
+  const Eigen::Vector3d t = chord / chord_length;
+  double slope = 0.0;
+  double curvature = 0.0;
+  double area = 0.0;
+  ring->energy = 0.0;
+  ring->least_facing = 1.0;
+  for (int i = 0; i < ring->triangles; ++i) {
+    const Eigen::Vector3d e = ring->position[i + 1] - ring->position[i];
+    const Eigen::Vector3d cross = (ring->position[i] - s).cross(ring->position[i + 1] - s);
+    const double size = cross.norm();
+    const double c = ring->scale * size;
+    area += size;
+    const Eigen::Vector3d up = n + ring->normal[i] + ring->normal[i + 1];
+    const double unit = size * up.norm();
+    ring->least_facing = std::min(ring->least_facing, unit > 0.0 ? cross.dot(up) / unit : -1.0);
+    double pull = 1.0;
+    if (energy_ == Energy::kTarget) {
+      ring->energy += (c - 1.0) * (c - 1.0);
+      pull = 1.0 - 1.0 / std::max(c, kLeastCapacity);
+    } else {
+      ring->energy += c * c;
+    }
+    slope += pull * cross.cross(e).dot(t);
+    curvature += e.squaredNorm() - e.dot(t) * e.dot(t);
+  }
+  ring->spacing = std::sqrt(2.0 / std::sqrt(3.0) * area / ring->triangles);
+  if (!(curvature > 0.0)) return 0.0;
+  const double wanted = -slope / curvature;
+  if (!(std::abs(wanted) > 0.1 * rest * ring->spacing)) return 0.0;
+  const double nearest =
+      std::min((ring->position[0] - s).norm(), (ring->position[ring->neighbours - 1] - s).norm());
+  const double longest = std::min(kLongestStep * ring->spacing, 0.4 * nearest);
+  double step = std::clamp(stretch * wanted, -longest, longest);
+  for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, step *= 0.5) {
+    double arc = std::fmod(samples_.arc[v] + step + length, length);
+    if (!(arc >= 0.0 && arc < length)) arc = 0.0;
+    const SurfacePoint point = PointOnLoop(surface_, plan_, loop, arc);
+    const Eigen::Vector3d normal = surface_.NormalAt(point.face, point.weights);
+    double energy = 0.0;
+    if (!Evaluate(*ring, point.position, normal, &energy)) continue;
+    samples_.position[v] = point.position;
+    samples_.face[v] = point.face;
+    samples_.weights[v] = point.weights;
+    samples_.normal[v] = normal;
+    samples_.arc[v] = arc;
+    return (point.position - s).norm();
+  }
+  return 0.0;
+}
+
+double GeometryPhase::Pass() {
+  active_.swap(next_);
+  std::fill(next_.begin(), next_.end(), std::uint8_t{0});
+  Ring ring;
+  double largest = 0.0;
+  for (std::int32_t v = 0; v < samples_.count(); ++v) {
+    if (!active_[v] || samples_.kind[v] == SampleMesh::Kind::kFixed || !Gather(v, &ring)) continue;
+    const double move = samples_.kind[v] == SampleMesh::Kind::kInterior ? MoveInterior(v, &ring)
+                                                                        : MoveBoundary(v, &ring);
+    if (!(move > 0.0)) continue;
+    const double relative = move / ring.spacing;
+    largest = std::max(largest, relative);
+    if (relative <= rest) continue;
+    moved_[v] = 1;
+    next_[v] = 1;
+    for (int i = 0; i < ring.neighbours; ++i) next_[ring.vertex[i]] = 1;
+  }
+  return largest;
+}
+
+}  // namespace ccst

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/sampling/plan.h"
+#include "core/sampling/sample_mesh.h"
+#include "core/sampling/samples.h"
+#include "core/sampling/sampling.h"
+#include "core/surface/surface.h"
+
+namespace ccst {
+
+/// The geometry phase: moves samples over the surface, one after the other with the rest kept
+/// fixed, to make the sample triangles' capacities equal.
+///
+/// A vertex s moves on its osculating torus, to second order s + u T1 + v T2 + II(u, v) / 2 N with
+/// the second fundamental form II of the surface; in curvatures and arc lengths this has no
+/// singularity where the surface is flat. The ring's energy sum_t (c_t - 1)^2, c_t = C_t / C*, is
+/// minimised in (u, v) by one Newton step on a convex majoriser (core/docs/algorithm.md), made
+/// longer by a constant factor; the point is then put back on the surface by following its host.
+/// A move is kept only if the ring's energy does not grow and no triangle turns over; otherwise
+/// the step is halved, a few times. The energy therefore never rises.
+/// Source: Xu et al. 2012, sections 3.3, 3.4 and appendices A, B, with the errata.
+class GeometryPhase {
+ public:
+  GeometryPhase(const Surface* surface, const Plan* plan, Energy energy, const SampleMesh* mesh,
+                Samples* samples);
+
+  /// Visits every active vertex once. A vertex is active when it or a neighbour moved by more than
+  /// a small part of the spacing since its last visit, or when Activate() named it.
+  /// @return the largest move in units of the local spacing. Cost O(active vertices).
+  double Pass();
+
+  /// Marks `v` and its neighbours for the next pass.
+  void Activate(std::int32_t v);
+  void ActivateAll();
+  /// Vertices the next pass visits.
+  std::int64_t ActiveCount() const;
+
+  /// Vertices that moved since the last call of ClearMoved().
+  const std::vector<std::uint8_t>& moved() const { return moved_; }
+  void ClearMoved();
+
+  /// c_t = C_t / C* of triangle `t`.
+  double Capacity(std::int32_t t) const;
+  /// Mean of (c_t - 1)^2, or of c_t^2 for Energy::kSquaredArea.
+  double MeanEnergy() const;
+  /// Standard deviation over mean of the capacities.
+  double CapacityCv() const;
+
+  /// Largest move that still counts as rest, in units of the local spacing.
+  double rest = 0.003;
+  /// Factor on the Newton step.
+  double stretch = 1.5;
+
+ private:
+  struct Ring;
+  bool Gather(std::int32_t v, Ring* ring) const;
+  double MoveInterior(std::int32_t v, Ring* ring);
+  double MoveBoundary(std::int32_t v, Ring* ring);
+  bool Evaluate(const Ring& ring, const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
+                double* energy) const;
+
+  const Surface& surface_;
+  const Plan& plan_;
+  const Energy energy_;
+  const SampleMesh& mesh_;
+  Samples& samples_;
+  std::vector<double> scale_;  // Per component: 1 / C*.
+  std::vector<std::uint8_t> active_;
+  std::vector<std::uint8_t> next_;
+  std::vector<std::uint8_t> moved_;
+};
+
+}  // namespace ccst

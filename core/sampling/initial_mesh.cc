@@ -1,0 +1,251 @@
+#include "core/sampling/initial_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+#include "core/sampling/edge_flips.h"
+#include "core/sampling/vertex_removal.h"
+
+namespace ccst {
+namespace {
+
+constexpr int kStopInterval = 4096;
+
+/// The surface's faces with the samples inserted. Vertices: samples, then the surface's own, then
+/// one per closed loop.
+class Insertion {
+ public:
+  Insertion(const Surface& surface, const Plan& plan, const Samples& samples)
+      : surface_(surface), plan_(plan), samples_(samples) {
+    positions = samples.position;
+    normals = samples.normal;
+    positions.insert(positions.end(), surface.positions().begin(), surface.positions().end());
+    normals.insert(normals.end(), surface.normals().begin(), surface.normals().end());
+    vertex_of_.resize(surface.vertex_count());
+    std::iota(vertex_of_.begin(), vertex_of_.end(), samples.count());
+  }
+
+  /// @return false when stopped.
+  bool Run(const RunControl& run) {
+    AdoptCorners();
+    SetTriangles();
+    InsertBoundarySamples();
+    int work = 0;
+    for (std::int32_t i = 0; i < samples_.count(); ++i) {
+      if (samples_.kind[i] != SampleMesh::Kind::kInterior) continue;
+      if (++work % kStopInterval == 0 && run.stop.stop_requested()) return false;
+      InsertInterior(i);
+    }
+    return true;
+  }
+
+  SampleMesh mesh;
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<Eigen::Vector3d> normals;
+
+ private:
+  /// A boundary sample that lies on a vertex of the surface takes its place.
+  void AdoptCorners() {
+    adopted_.assign(samples_.count(), 0);
+    for (std::int32_t i = 0; i < samples_.count(); ++i) {
+      if (samples_.loop[i] < 0) continue;
+      for (int k = 0; k < 3; ++k) {
+        if (samples_.weights[i][k] < 1.0) continue;
+        std::int32_t& vertex = vertex_of_[surface_.faces()[samples_.face[i]][k]];
+        if (vertex < samples_.count()) continue;
+        vertex = i;
+        adopted_[i] = 1;
+      }
+    }
+  }
+
+  void SetTriangles() {
+    std::vector<Eigen::Vector3i> triangles(surface_.face_count());
+    for (std::int32_t f = 0; f < surface_.face_count(); ++f) {
+      for (int k = 0; k < 3; ++k) triangles[f][k] = vertex_of_[surface_.faces()[f][k]];
+    }
+    triangle_face_.resize(surface_.face_count());
+    std::iota(triangle_face_.begin(), triangle_face_.end(), 0);
+    for (std::size_t l = 0; l < plan_.loops.size(); ++l) {
+      if (!plan_.loops[l].closed) continue;
+      const auto center = static_cast<std::int32_t>(positions.size());
+      Eigen::Vector3d position = Eigen::Vector3d::Zero();
+      Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+      const std::vector<std::int32_t>& chain = surface_.boundary_loops()[l].half_edges;
+      for (const std::int32_t h : chain) {
+        position += surface_.positions()[surface_.Origin(h)];
+        normal += surface_.normals()[surface_.Origin(h)];
+        triangles.push_back(
+            {vertex_of_[surface_.Target(h)], vertex_of_[surface_.Origin(h)], center});
+        triangle_face_.push_back(-1);
+      }
+      positions.push_back(position / static_cast<double>(chain.size()));
+      normals.push_back(normal.normalized());
+    }
+    mesh.SetTriangles(static_cast<std::int32_t>(positions.size()), triangles);
+    last_of_face_.assign(surface_.face_count(), -1);
+  }
+
+  std::int32_t NewTriangle(std::int32_t face) {
+    triangle_face_.push_back(face);
+    return mesh.NewTriangle();
+  }
+
+  void InsertBoundarySamples() {
+    // Samples of one loop come in the order of their arcs; the half-edge that remains ahead of
+    // the last one inserted on an edge takes the next one.
+    std::int32_t last_half_edge = -1;
+    std::int32_t ahead = -1;
+    std::int32_t last_loop = -1;
+    for (std::int32_t i = 0; i < samples_.count(); ++i) {
+      const std::int32_t l = samples_.loop[i];
+      if (l < 0 || adopted_[i]) continue;
+      const LoopPlan& loop = plan_.loops[l];
+      const auto after = std::upper_bound(loop.start.begin(), loop.start.end(), samples_.arc[i]);
+      const auto k = std::max<std::ptrdiff_t>(0, after - loop.start.begin() - 1);
+      const std::int32_t h = surface_.boundary_loops()[l].half_edges[k];
+      if (l != last_loop || h != last_half_edge) {
+        ahead = FindEdgeBetween(vertex_of_[surface_.Origin(h)], vertex_of_[surface_.Target(h)], h);
+      }
+      const std::int32_t slot = NewTriangle(h / 3);
+      mesh.InsertIntoBoundaryEdge(i, ahead, slot);
+      ahead = 3 * slot;
+      last_half_edge = h;
+      last_loop = l;
+    }
+  }
+
+  /// The first half-edge of the work mesh on the surface's boundary half-edge `h`.
+  std::int32_t FindEdgeBetween(std::int32_t from, std::int32_t to, std::int32_t h) const {
+    const std::int32_t leave = mesh.outgoing[from];
+    return mesh.Target(leave) == to ? leave : h;
+  }
+
+  double Side(std::int32_t h, const Eigen::Vector3d& p, const Eigen::Vector3d& up) const {
+    const Eigen::Vector3d& a = positions[mesh.origin[h]];
+    return (positions[mesh.Target(h)] - a).cross(p - a).dot(up);
+  }
+
+  /// The triangle of face `face` that holds `p`: a walk, or every triangle when it runs in circles.
+  std::int32_t Locate(std::int32_t face, const Eigen::Vector3d& p, const Eigen::Vector3d& up) {
+    std::int32_t t = last_of_face_[face] >= 0 ? last_of_face_[face] : face;
+    for (int step = 0; step < 10000; ++step) {
+      double worst = 0.0;
+      std::int32_t cross = -1;
+      for (std::int32_t h = 3 * t; h < 3 * t + 3; ++h) {
+        const double side = Side(h, p, up);
+        const std::int32_t twin = mesh.twin[h];
+        if (side < worst && twin >= 0 && triangle_face_[twin / 3] == face) {
+          worst = side;
+          cross = twin / 3;
+        }
+      }
+      if (cross < 0) break;
+      t = cross;
+    }
+    return t;
+  }
+
+  void InsertInterior(std::int32_t i) {
+    const std::int32_t face = samples_.face[i];
+    const Eigen::Vector3i& corner = surface_.faces()[face];
+    const Eigen::Vector3d up =
+        (surface_.positions()[corner[1]] - surface_.positions()[corner[0]])
+            .cross(surface_.positions()[corner[2]] - surface_.positions()[corner[0]]);
+    const std::int32_t t = Locate(face, positions[i], up);
+    const std::int32_t slot1 = NewTriangle(face);
+    const std::int32_t slot2 = NewTriangle(face);
+    mesh.InsertIntoTriangle(i, t, slot1, slot2);
+    last_of_face_[face] = t;
+    // Keep the face's own triangulation Delaunay so that the walks stay short.
+    for (const std::int32_t e : {3 * t, 3 * slot1, 3 * slot2}) stack_.push_back(e);
+    while (!stack_.empty()) {
+      const std::int32_t h = stack_.back();
+      stack_.pop_back();
+      const std::int32_t g = mesh.twin[h];
+      if (g < 0 || triangle_face_[g / 3] != face || !InCircle(h, up) || !mesh.CanFlip(h)) continue;
+      mesh.Flip(h);
+      // The two edges away from sample i may now violate the criterion.
+      for (const std::int32_t e : {h, g}) {
+        for (const std::int32_t side : {SampleMesh::Next(e), SampleMesh::Previous(e)}) {
+          if (mesh.Apex(side) == i) stack_.push_back(side);
+        }
+      }
+    }
+  }
+
+  /// True when the edge `h` of two coplanar triangles is not Delaunay and the flip is a proper one.
+  bool InCircle(std::int32_t h, const Eigen::Vector3d& up) const {
+    const std::int32_t g = mesh.twin[h];
+    const Eigen::Vector3d& a = positions[mesh.origin[h]];
+    const Eigen::Vector3d& b = positions[mesh.origin[g]];
+    const Eigen::Vector3d& c = positions[mesh.Apex(h)];
+    const Eigen::Vector3d& d = positions[mesh.Apex(g)];
+    const double cos_c = (a - c).dot(b - c);
+    const double cos_d = (a - d).dot(b - d);
+    if (cos_c >= 0.0 && cos_d >= 0.0) return false;
+    const double sin_c = (a - c).cross(b - c).dot(up);
+    const double sin_d = (b - d).cross(a - d).dot(up);
+    const double up_norm = up.norm();
+    const double margin =
+        1e-10 * up_norm * (std::abs(cos_c) + sin_c / up_norm) * (std::abs(cos_d) + sin_d / up_norm);
+    if (!(sin_c * cos_d + cos_c * sin_d < -margin)) return false;
+    return (c - d).cross(a - d).dot(up) > 0.0 && (d - c).cross(b - c).dot(up) > 0.0;
+  }
+
+  const Surface& surface_;
+  const Plan& plan_;
+  const Samples& samples_;
+  std::vector<std::int32_t> vertex_of_;      // Surface vertex -> work vertex.
+  std::vector<std::uint8_t> adopted_;        // Per sample: stands for a surface vertex.
+  std::vector<std::int32_t> triangle_face_;  // Work triangle -> face of the surface, -1 in a fan.
+  std::vector<std::int32_t> last_of_face_;
+  std::vector<std::int32_t> stack_;
+};
+
+/// Live triangles over the samples, ordered by their smallest vertex.
+std::vector<Eigen::Vector3i> LiveTriangles(const SampleMesh& mesh) {
+  std::vector<Eigen::Vector3i> triangles;
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (mesh.IsDead(t)) continue;
+    int first = 0;
+    for (int k = 1; k < 3; ++k) {
+      if (mesh.origin[3 * t + k] < mesh.origin[3 * t + first]) first = k;
+    }
+    triangles.push_back({mesh.origin[3 * t + first], mesh.origin[3 * t + (first + 1) % 3],
+                         mesh.origin[3 * t + (first + 2) % 3]});
+  }
+  std::sort(triangles.begin(), triangles.end(),
+            [](const Eigen::Vector3i& a, const Eigen::Vector3i& b) {
+              return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+            });
+  return triangles;
+}
+
+}  // namespace
+
+absl::StatusOr<SampleMesh> BuildInitialMesh(const Surface& surface, const Plan& plan,
+                                            const Samples& samples, const RunControl& run) {
+  Insertion insertion(surface, plan, samples);
+  if (!insertion.Run(run)) return absl::CancelledError("stopped while the samples were inserted");
+  CCST_ASSIGN_OR_RETURN(const std::int64_t left,
+                        RemoveVertices(samples.count(), insertion.positions, insertion.normals, run,
+                                       &insertion.mesh));
+  if (left > 0) {
+    return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
+                     absl::StrCat("sample_count ", samples.count(),
+                                  " is too small for the topology of the surface"));
+  }
+  SampleMesh mesh;
+  mesh.SetTriangles(samples.count(), LiveTriangles(insertion.mesh));
+  EdgeFlips(&mesh, &samples.position, &samples.normal).FlipAll();
+  return mesh;
+}
+
+}  // namespace ccst

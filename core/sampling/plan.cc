@@ -1,0 +1,257 @@
+#include "core/sampling/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+#include "core/random/random.h"
+
+namespace ccst {
+namespace {
+
+constexpr double kCornerTurn = 40.0 * std::numbers::pi / 180.0;
+constexpr std::uint64_t kLoopStream = 0x6c6f6f70;  // "loop"
+
+/// Smallest number of vertices of a triangulated surface of the given kind; for closed surfaces
+/// by Ringel and by Jungerman and Ringel, 1980 (genus 2 is the exception).
+std::int64_t SmallestCount(std::int64_t euler, std::int64_t loops) {
+  if (loops > 0) return std::max<std::int64_t>(3 * loops, loops == 1 && euler == 1 ? 3 : 6);
+  if (euler >= 2) return 4;
+  if (euler == -2) return 10;
+  return static_cast<std::int64_t>(
+      std::ceil((7.0 + std::sqrt(49.0 - 24.0 * static_cast<double>(euler))) / 2.0));
+}
+
+/// Side of an equilateral triangle of the given area.
+double SideOf(double area) { return std::sqrt(4.0 * area / std::sqrt(3.0)); }
+
+void MeasureLoop(const Surface& surface, const BoundaryLoop& loop, LoopPlan* plan) {
+  double arc = 0.0;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const std::int32_t h : loop.half_edges) {
+    plan->start.push_back(arc);
+    const Eigen::Vector3d& a = surface.positions()[surface.Origin(h)];
+    const Eigen::Vector3d& b = surface.positions()[surface.Target(h)];
+    center += (a + b) * (0.5 * (b - a).norm());
+    arc += (b - a).norm();
+  }
+  plan->length = arc;
+  if (arc > 0.0) center /= arc;
+  for (const std::int32_t h : loop.half_edges) {
+    plan->hole_area += 0.5 * (surface.positions()[surface.Origin(h)] - center)
+                                 .cross(surface.positions()[surface.Target(h)] - center)
+                                 .norm();
+  }
+}
+
+/// Arc lengths of the loop's corners.
+std::vector<double> FindCorners(const Surface& surface, const BoundaryLoop& loop,
+                                const LoopPlan& plan) {
+  std::vector<double> corners;
+  const std::size_t size = loop.half_edges.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::int32_t in = loop.half_edges[(i + size - 1) % size];
+    const std::int32_t out = loop.half_edges[i];
+    const Eigen::Vector3d before =
+        surface.positions()[surface.Target(in)] - surface.positions()[surface.Origin(in)];
+    const Eigen::Vector3d after =
+        surface.positions()[surface.Target(out)] - surface.positions()[surface.Origin(out)];
+    const double turn = std::atan2(before.cross(after).norm(), before.dot(after));
+    if (turn > kCornerTurn) corners.push_back(plan.start[i]);
+  }
+  return corners;
+}
+
+/// Spreads about length / side samples over the loop, evenly between corners.
+void PlaceOnLoop(const std::vector<double>& corners, double side, double offset, LoopPlan* loop) {
+  loop->arcs.clear();
+  loop->fixed.clear();
+  if (corners.empty()) {
+    const auto count = std::max<std::int64_t>(3, std::llround(loop->length / side));
+    for (std::int64_t i = 0; i < count; ++i) {
+      loop->arcs.push_back(loop->length * (static_cast<double>(i) + offset) /
+                           static_cast<double>(count));
+      loop->fixed.push_back(0);
+    }
+    return;
+  }
+  // Corners nearer than half a spacing cannot all keep a sample.
+  std::vector<double> kept;
+  for (const double corner : corners) {
+    if (kept.empty() ||
+        (corner - kept.back() > 0.5 * side && loop->length - corner + kept.front() > 0.5 * side)) {
+      kept.push_back(corner);
+    }
+  }
+  const auto pieces = static_cast<std::int64_t>(kept.size());
+  for (std::int64_t c = 0; c < pieces; ++c) {
+    const double begin = kept[c];
+    const double end = c + 1 < pieces ? kept[c + 1] : kept[0] + loop->length;
+    const std::int64_t least = pieces == 1 ? 3 : pieces == 2 ? 2 : 1;
+    const auto count = std::max<std::int64_t>(least, std::llround((end - begin) / side));
+    for (std::int64_t i = 0; i < count; ++i) {
+      double arc = begin + (end - begin) * static_cast<double>(i) / static_cast<double>(count);
+      if (arc >= loop->length) arc -= loop->length;
+      loop->arcs.push_back(arc);
+      loop->fixed.push_back(i == 0);
+    }
+  }
+  // Wrapping around may have put the last ones first.
+  std::vector<std::size_t> order(loop->arcs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return loop->arcs[a] < loop->arcs[b]; });
+  std::vector<double> arcs;
+  std::vector<std::uint8_t> fixed;
+  for (const std::size_t i : order) {
+    arcs.push_back(loop->arcs[i]);
+    fixed.push_back(loop->fixed[i]);
+  }
+  loop->arcs = std::move(arcs);
+  loop->fixed = std::move(fixed);
+}
+
+/// Shares of `count` in proportion to `areas`, by largest remainders; ties by index.
+std::vector<std::int64_t> Shares(const std::vector<double>& areas, double total,
+                                 std::int64_t count) {
+  std::vector<std::int64_t> shares(areas.size());
+  std::vector<double> rest(areas.size());
+  std::int64_t given = 0;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const double ideal = static_cast<double>(count) * (areas[i] / total);
+    shares[i] = static_cast<std::int64_t>(ideal);
+    rest[i] = ideal - static_cast<double>(shares[i]);
+    given += shares[i];
+  }
+  std::vector<std::size_t> order(areas.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return rest[a] > rest[b]; });
+  for (std::size_t i = 0; given < count; i = (i + 1) % order.size(), ++given) ++shares[order[i]];
+  return shares;
+}
+
+absl::Status TooSmall(std::int64_t count, std::int64_t smallest, std::size_t components,
+                      std::size_t loops) {
+  return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
+                   absl::StrCat("sample_count ", count,
+                                " is too small for the topology of the "
+                                "surface (components: ",
+                                components, ", boundary loops: ", loops,
+                                "); the smallest that works is ", smallest));
+}
+
+}  // namespace
+
+absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::uint64_t seed) {
+  Plan plan;
+  const double area = surface.area();
+  plan.spacing = std::sqrt(2.0 * area / (std::sqrt(3.0) * static_cast<double>(count)));
+  const std::vector<BoundaryLoop>& loops = surface.boundary_loops();
+  const std::size_t component_count = surface.component_areas().size();
+  plan.loops.resize(loops.size());
+  std::vector<std::int64_t> open_loops(component_count, 0);
+  std::vector<std::int64_t> euler = surface.component_eulers();
+  std::vector<double> areas = surface.component_areas();
+  for (std::size_t l = 0; l < loops.size(); ++l) {
+    MeasureLoop(surface, loops[l], &plan.loops[l]);
+    plan.loops[l].closed = loops[l].length < 3.0 * plan.spacing &&
+                           plan.loops[l].hole_area < 0.5 * areas[loops[l].component];
+    if (plan.loops[l].closed) {
+      ++plan.closed_loops;
+      ++euler[loops[l].component];
+    } else {
+      ++open_loops[loops[l].component];
+    }
+  }
+  std::vector<std::int64_t> least(component_count);
+  for (std::size_t c = 0; c < component_count; ++c) {
+    least[c] = SmallestCount(euler[c], open_loops[c]);
+  }
+  const auto fits = [&](const std::vector<std::int64_t>& shares) {
+    for (std::size_t c = 0; c < component_count; ++c) {
+      if (shares[c] < least[c]) return false;
+    }
+    return true;
+  };
+  const std::vector<std::int64_t> shares = Shares(areas, area, count);
+  if (!fits(shares)) {
+    // Start where the neediest component has its least and step over the rounding.
+    double smallest = 0.0;
+    for (std::size_t c = 0; c < component_count; ++c) {
+      smallest = std::max(
+          smallest, (static_cast<double>(least[c]) - 1.0) * area / std::max(areas[c], 1e-300));
+    }
+    auto candidate = std::max(count + 1, static_cast<std::int64_t>(std::min(smallest, 1e15)));
+    for (int step = 0; step < 1000 && !fits(Shares(areas, area, candidate)); ++step) ++candidate;
+    return TooSmall(count, candidate, component_count, loops.size());
+  }
+
+  plan.components.resize(component_count);
+  for (std::size_t c = 0; c < component_count; ++c) {
+    ComponentPlan& component = plan.components[c];
+    component.samples = shares[c];
+    double covered = areas[c];
+    std::vector<std::size_t> own;
+    for (std::size_t l = 0; l < loops.size(); ++l) {
+      if (loops[l].component != static_cast<std::int32_t>(c)) continue;
+      if (plan.loops[l].closed) {
+        covered += plan.loops[l].hole_area;
+      } else {
+        own.push_back(l);
+      }
+    }
+    // Triangles: F = 2 V - b - 2 chi + 2 per loop already in chi; spacing along the loops depends
+    // on F and F on the loops' samples, so repeat until they agree.
+    const auto triangles = [&] {
+      return 2 * component.samples - component.boundary_samples - 2 * euler[c];
+    };
+    for (int step = 0; step < 8; ++step) {
+      const double side =
+          SideOf(covered / static_cast<double>(std::max<std::int64_t>(1, triangles())));
+      std::int64_t total = 0;
+      for (const std::size_t l : own) {
+        const double offset = CounterRandom(seed, kLoopStream).Uniform(l);
+        PlaceOnLoop(FindCorners(surface, loops[l], plan.loops[l]), side, offset, &plan.loops[l]);
+        total += static_cast<std::int64_t>(plan.loops[l].arcs.size());
+      }
+      if (total == component.boundary_samples) break;
+      component.boundary_samples = total;
+    }
+    if (component.boundary_samples > component.samples || triangles() < 1) {
+      return TooSmall(count,
+                      static_cast<std::int64_t>(std::ceil(
+                          static_cast<double>(component.boundary_samples + 1) * area / areas[c])),
+                      component_count, loops.size());
+    }
+    component.triangles = triangles();
+    component.target = covered / static_cast<double>(component.triangles);
+  }
+  return plan;
+}
+
+SurfacePoint PointOnLoop(const Surface& surface, const Plan& plan, std::int32_t index, double arc) {
+  const LoopPlan& loop = plan.loops[index];
+  const BoundaryLoop& chain = surface.boundary_loops()[index];
+  const auto after = std::upper_bound(loop.start.begin(), loop.start.end(), arc);
+  const auto i = std::max<std::ptrdiff_t>(0, after - loop.start.begin() - 1);
+  const double begin = loop.start[i];
+  const double end =
+      i + 1 < static_cast<std::ptrdiff_t>(loop.start.size()) ? loop.start[i + 1] : loop.length;
+  const double t = end > begin ? std::clamp((arc - begin) / (end - begin), 0.0, 1.0) : 0.0;
+  const std::int32_t h = chain.half_edges[i];
+  SurfacePoint point;
+  point.face = h / 3;
+  point.weights[h % 3] = 1.0 - t;
+  point.weights[(h % 3 + 1) % 3] = t;
+  point.position = (1.0 - t) * surface.positions()[surface.Origin(h)] +
+                   t * surface.positions()[surface.Target(h)];
+  return point;
+}
+
+}  // namespace ccst

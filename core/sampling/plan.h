@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/surface/surface.h"
+
+namespace ccst {
+
+/// One boundary loop as a polyline with arc lengths, and where its samples start.
+struct LoopPlan {
+  bool closed = false;        ///< Too short for samples: closed in the sample mesh.
+  std::vector<double> start;  ///< Arc length at which each of the loop's half-edges starts.
+  double length = 0.0;
+  std::vector<double> arcs;         ///< Arc lengths of the samples, increasing.
+  std::vector<std::uint8_t> fixed;  ///< Per sample: lies at a corner and stays there.
+  double hole_area = 0.0;           ///< Area of the fan that closes it, when closed.
+};
+
+/// How many samples go where.
+struct ComponentPlan {
+  std::int64_t samples = 0;  ///< Boundary samples included.
+  std::int64_t boundary_samples = 0;
+  std::int64_t triangles = 0;  ///< Of the sample mesh.
+  double target = 0.0;         ///< C*, the target capacity of a sample triangle.
+};
+
+struct Plan {
+  std::vector<ComponentPlan> components;
+  std::vector<LoopPlan> loops;
+  double spacing = 0.0;  ///< r_max = sqrt(2 A / (sqrt(3) n)), the hexagonal spacing.
+  std::int64_t closed_loops = 0;
+};
+
+/// Shares `count` samples out over components by area (largest remainders) and over boundary
+/// loops by spacing; corners of a loop (turning by more than 40 degrees) get a sample that stays.
+/// @errors INVALID_ARGUMENT COUNT_TOO_SMALL naming the smallest count the topology allows.
+absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::uint64_t seed);
+
+/// Point of loop `index` at arc length `arc` (taken modulo the length).
+SurfacePoint PointOnLoop(const Surface& surface, const Plan& plan, std::int32_t index, double arc);
+
+}  // namespace ccst

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "core/sampling/plan.h"
+#include "core/sampling/run_control.h"
+#include "core/sampling/sample_mesh.h"
+#include "core/sampling/samples.h"
+#include "core/sampling/sampling.h"
+#include "core/surface/surface.h"
+
+namespace ccst {
+
+/// How a relaxation ended and what it took.
+struct RelaxationReport {
+  Termination termination = Termination::kIterationLimit;
+  int alternations = 0;
+  std::int64_t passes = 0;
+  double energy = 0.0;
+  double capacity_cv = 0.0;
+};
+
+/// Alternates geometry phases, edge flips and relocations until the capacities no longer improve.
+/// One alternation is one pass over the active samples, then flips around what moved, then (while
+/// defects remain) relocations. Calls `report` after every alternation and once, with alternation
+/// 0, before the first. `interrupted` is polled between alternations and, at least every 50 ms,
+/// within them; when it names a reason the relaxation ends with the last whole iterate.
+RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingOptions& options,
+                       const std::function<void(const AlternationReport&)>& report,
+                       const std::function<bool(Termination*)>& interrupted, SampleMesh* mesh,
+                       Samples* samples);
+
+}  // namespace ccst

@@ -1,0 +1,229 @@
+#include "core/sampling/sample_mesh.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace ccst {
+
+void SampleMesh::SetTriangles(std::int32_t vertex_count,
+                              const std::vector<Eigen::Vector3i>& triangles) {
+  const auto half_edges = static_cast<std::int32_t>(3 * triangles.size());
+  origin.resize(half_edges);
+  twin.assign(half_edges, -1);
+  outgoing.assign(vertex_count, -1);
+  std::vector<std::int32_t> start(vertex_count + 1, 0);
+  for (std::int32_t h = 0; h < half_edges; ++h) {
+    origin[h] = triangles[h / 3][h % 3];
+    ++start[origin[h] + 1];
+  }
+  for (std::int32_t v = 0; v < vertex_count; ++v) start[v + 1] += start[v];
+  std::vector<std::int32_t> list(half_edges);
+  std::vector<std::int32_t> fill(start.begin(), start.end() - 1);
+  for (std::int32_t h = 0; h < half_edges; ++h) list[fill[origin[h]]++] = h;
+  for (std::int32_t h = 0; h < half_edges; ++h) {
+    const std::int32_t from = origin[h];
+    const std::int32_t to = Target(h);
+    if (from > to) continue;
+    for (std::int32_t i = start[to]; i < start[to + 1]; ++i) {
+      if (Target(list[i]) == from) Pair(h, list[i]);
+    }
+  }
+  for (std::int32_t h = 0; h < half_edges; ++h) PointAt(h);
+}
+
+void SampleMesh::Pair(std::int32_t a, std::int32_t b) {
+  if (a >= 0) twin[a] = b;
+  if (b >= 0) twin[b] = a;
+}
+
+/// Lets the origin of `h` leave through `h`, unless it already leaves through the boundary.
+void SampleMesh::PointAt(std::int32_t h) {
+  std::int32_t& leave = outgoing[origin[h]];
+  if (leave < 0 || twin[h] < 0) leave = h;
+}
+
+void SampleMesh::SetTriangle(std::int32_t t, std::int32_t a, std::int32_t b, std::int32_t c) {
+  origin[3 * t] = a;
+  origin[3 * t + 1] = b;
+  origin[3 * t + 2] = c;
+}
+
+std::int32_t SampleMesh::NewTriangle() {
+  const std::int32_t t = triangle_count();
+  origin.insert(origin.end(), 3, -1);
+  twin.insert(twin.end(), 3, -1);
+  return t;
+}
+
+std::int32_t SampleMesh::Degree(std::int32_t v) const {
+  std::int32_t degree = IsBoundary(v) ? 1 : 0;
+  ForEachOutgoing(v, [&](std::int32_t) { ++degree; });
+  return degree;
+}
+
+std::int32_t SampleMesh::FindEdge(std::int32_t a, std::int32_t b) const {
+  std::int32_t found = -1;
+  ForEachOutgoing(a, [&](std::int32_t h) {
+    if (Target(h) == b) found = h;
+    if (Apex(h) == b && twin[Previous(h)] < 0) found = Previous(h);
+  });
+  return found;
+}
+
+bool SampleMesh::CanFlip(std::int32_t h) const {
+  const std::int32_t g = twin[h];
+  if (g < 0) return false;
+  const std::int32_t c = Apex(h);
+  const std::int32_t d = Apex(g);
+  if (c == d) return false;
+  // Both ends lose an edge. An interior vertex of degree three has its three neighbours joined,
+  // so the search for the new edge refuses it; a boundary vertex needs one interior edge left
+  // only if it had none on the boundary.
+  return FindEdge(c, d) < 0;
+}
+
+void SampleMesh::Flip(std::int32_t h) {
+  const std::int32_t g = twin[h];
+  const std::int32_t h1 = Next(h);
+  const std::int32_t h2 = Previous(h);
+  const std::int32_t g1 = Next(g);
+  const std::int32_t g2 = Previous(g);
+  const std::int32_t a = origin[h];
+  const std::int32_t b = origin[g];
+  const std::int32_t c = origin[h2];
+  const std::int32_t d = origin[g2];
+  const std::int32_t ca = twin[h2];
+  const std::int32_t bc = twin[h1];
+  const std::int32_t db = twin[g2];
+  const std::int32_t ad = twin[g1];
+  // (a b c) (b a d) -> (d c a) in h's triangle with h: d -> c, (c d b) in g's with g: c -> d.
+  origin[h] = d;
+  origin[h1] = c;
+  origin[h2] = a;
+  origin[g] = c;
+  origin[g1] = d;
+  origin[g2] = b;
+  Pair(h1, ca);
+  Pair(h2, ad);
+  Pair(g1, db);
+  Pair(g2, bc);
+  if (outgoing[a] == h || outgoing[a] == g1) outgoing[a] = h2;
+  if (outgoing[b] == g || outgoing[b] == h1) outgoing[b] = g2;
+  if (outgoing[c] == h2) outgoing[c] = h1;
+  if (outgoing[d] == g2) outgoing[d] = g1;
+}
+
+bool SampleMesh::CanCollapse(std::int32_t h) const {
+  const std::int32_t v = origin[h];
+  const std::int32_t w = Target(h);
+  const std::int32_t g = twin[h];
+  const bool on_boundary = IsBoundary(v);
+  const std::int32_t edge_triangles = g >= 0 ? 2 : 1;
+  if (on_boundary && g >= 0) return false;  // Must go along the boundary.
+  const auto apex_stays = [&](std::int32_t side) {
+    const std::int32_t apex = Apex(side);
+    const std::int32_t degree = Degree(apex);
+    return IsBoundary(apex) ? degree > 2 : degree > 3;
+  };
+  if (!apex_stays(h) || (g >= 0 && !apex_stays(g))) return false;
+  if (twin[Next(h)] < 0 && twin[Previous(h)] < 0) return false;
+  if (g >= 0 && twin[Next(g)] < 0 && twin[Previous(g)] < 0) return false;
+
+  if (mark_.size() < outgoing.size()) mark_.resize(outgoing.size(), 0);
+  ++stamp_;
+  const auto for_each_neighbour = [&](std::int32_t u, auto&& f) {
+    ForEachOutgoing(u, [&](std::int32_t e) {
+      f(Target(e));
+      if (twin[Previous(e)] < 0) f(Apex(e));
+    });
+  };
+  for_each_neighbour(v, [&](std::int32_t u) { mark_[u] = stamp_; });
+  std::int32_t common = 0;
+  for_each_neighbour(w, [&](std::int32_t u) { common += mark_[u] == stamp_; });
+  if (common != edge_triangles) return false;
+  // A boundary loop keeps at least three vertices.
+  if (on_boundary) {
+    const std::int32_t after = outgoing[w];
+    if (Target(after) == v || Target(outgoing[Target(after)]) == v) return false;
+  }
+  return true;
+}
+
+void SampleMesh::Collapse(std::int32_t h) {
+  const std::int32_t v = origin[h];
+  const std::int32_t w = Target(h);
+  const std::int32_t g = twin[h];
+  ForEachOutgoing(v, [&](std::int32_t e) { origin[e] = w; });
+  outgoing[v] = -1;
+
+  // Takes the triangle left of `e` out and joins its two neighbours. Afterwards its apex and w
+  // leave through a live half-edge again. @return the apex.
+  const auto remove_triangle = [&](std::int32_t e) {
+    const std::int32_t apex = Apex(e);
+    const std::int32_t into_w = twin[Next(e)];      // apex -> end of e
+    const std::int32_t from_w = twin[Previous(e)];  // start of e -> apex
+    Pair(into_w, from_w);
+    const std::int32_t t = e / 3;
+    for (std::int32_t k = 3 * t; k < 3 * t + 3; ++k) {
+      origin[k] = -1;
+      twin[k] = -1;
+    }
+    outgoing[apex] = into_w >= 0 ? into_w : Next(from_w);
+    outgoing[w] = from_w >= 0 ? from_w : Next(into_w);
+    return apex;
+  };
+  // Turns clockwise to the boundary, where there is one.
+  const auto settle = [&](std::int32_t u) {
+    const std::int32_t first = outgoing[u];
+    std::int32_t e = first;
+    while (twin[e] >= 0) {
+      e = Next(twin[e]);
+      if (e == first) break;
+    }
+    outgoing[u] = e;
+  };
+  const std::int32_t left = remove_triangle(h);
+  const std::int32_t right = g >= 0 ? remove_triangle(g) : -1;
+  settle(w);
+  settle(left);
+  if (right >= 0) settle(right);
+}
+
+void SampleMesh::InsertIntoTriangle(std::int32_t v, std::int32_t t, std::int32_t slot1,
+                                    std::int32_t slot2) {
+  const std::int32_t a = origin[3 * t];
+  const std::int32_t b = origin[3 * t + 1];
+  const std::int32_t c = origin[3 * t + 2];
+  const std::int32_t bc = twin[3 * t + 1];
+  const std::int32_t ca = twin[3 * t + 2];
+  SetTriangle(t, a, b, v);
+  SetTriangle(slot1, b, c, v);
+  SetTriangle(slot2, c, a, v);
+  Pair(3 * slot1, bc);
+  Pair(3 * slot2, ca);
+  Pair(3 * t + 1, 3 * slot1 + 2);
+  Pair(3 * slot1 + 1, 3 * slot2 + 2);
+  Pair(3 * slot2 + 1, 3 * t + 2);
+  if (outgoing[b] == 3 * t + 1) outgoing[b] = 3 * slot1;
+  if (outgoing[c] == 3 * t + 2) outgoing[c] = 3 * slot2;
+  outgoing[v] = 3 * t + 2;
+}
+
+void SampleMesh::InsertIntoBoundaryEdge(std::int32_t v, std::int32_t h, std::int32_t slot) {
+  // (a b c) with boundary edge a -> b becomes (a v c) and (v b c).
+  const std::int32_t b = Target(h);
+  const std::int32_t c = Apex(h);
+  const std::int32_t next = Next(h);
+  const std::int32_t bc = twin[next];
+  const std::int32_t before = outgoing[b];
+  origin[next] = v;
+  SetTriangle(slot, v, b, c);
+  twin[3 * slot] = -1;
+  twin[3 * slot + 1] = -1;
+  Pair(3 * slot + 1, bc);
+  Pair(next, 3 * slot + 2);
+  if (before == next) outgoing[b] = 3 * slot + 1;
+  outgoing[v] = 3 * slot;
+}
+
+}  // namespace ccst

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "absl/status/statusor.h"
+#include "core/sampling/run_control.h"
+#include "core/sampling/sample_mesh.h"
+
+namespace ccst {
+
+/// Removes the vertices from `keep` on by collapsing each into a neighbour, keeping the topology.
+/// Rounds over sets of vertices with disjoint rings, so that no part is thinned out long before
+/// another; in each, a vertex goes where the resulting triangles have the best shape and face the
+/// surface. Vertices that cannot go well wait for a later round with a lower demand.
+/// @param position, normal  per vertex. @param mesh  live triangles over all of them.
+/// @return how many vertices could not be removed; 0 unless `keep` is near the least the topology
+///         needs. @errors CANCELLED when `run` was stopped.
+absl::StatusOr<std::int64_t> RemoveVertices(std::int32_t keep,
+                                            const std::vector<Eigen::Vector3d>& position,
+                                            const std::vector<Eigen::Vector3d>& normal,
+                                            const RunControl& run, SampleMesh* mesh);
+
+}  // namespace ccst

@@ -1,0 +1,346 @@
+#include "core/surface/surface.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+#include "core/surface/closest_point.h"
+#include "core/surface/curvature.h"
+
+namespace ccst {
+namespace {
+
+absl::Status Degenerate(const std::string& message) {
+  return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kMeshDegenerate, message);
+}
+
+absl::Status NotManifold(const std::string& message) {
+  return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kMeshNotManifold, message);
+}
+
+std::string Describe(const Eigen::Vector3d& p) {
+  return absl::StrCat("(", p.x(), ", ", p.y(), ", ", p.z(), ")");
+}
+
+absl::Status CheckNumbers(const TriangleMesh& mesh) {
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    if (!mesh.positions[i].allFinite()) {
+      return Degenerate(absl::StrCat(
+          "vertex ", i, " has a coordinate that is not finite: ", Describe(mesh.positions[i])));
+    }
+  }
+  const auto count = static_cast<std::int64_t>(mesh.positions.size());
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      if (mesh.faces[f][k] < 0 || mesh.faces[f][k] >= count) {
+        return Degenerate(absl::StrCat("face ", f, " refers to vertex ", mesh.faces[f][k],
+                                       "; the mesh has vertices 0 to ", count - 1));
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
+struct PositionHash {
+  std::size_t operator()(const std::array<std::uint64_t, 3>& key) const {
+    std::uint64_t hash = 0;
+    for (const std::uint64_t part : key) {
+      hash = (hash ^ part) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 29;
+    }
+    return hash;
+  }
+};
+
+/// Numbers the used vertices, equal positions once. @return V_in -> number or -1.
+std::vector<std::int32_t> MergeVertices(const TriangleMesh& mesh, std::int32_t* count,
+                                        std::int64_t* welded, std::int64_t* isolated) {
+  std::vector<std::uint8_t> used(mesh.positions.size(), 0);
+  for (const Eigen::Vector3i& face : mesh.faces) {
+    for (int k = 0; k < 3; ++k) used[face[k]] = 1;
+  }
+  std::vector<std::int32_t> number(mesh.positions.size(), -1);
+  std::unordered_map<std::array<std::uint64_t, 3>, std::int32_t, PositionHash> seen;
+  seen.reserve(mesh.positions.size());
+  *count = 0;
+  *welded = 0;
+  *isolated = 0;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    if (!used[i]) {
+      ++*isolated;
+      continue;
+    }
+    std::array<std::uint64_t, 3> key;
+    // Adding zero turns -0 into +0, which is the same place.
+    for (int k = 0; k < 3; ++k) key[k] = std::bit_cast<std::uint64_t>(mesh.positions[i][k] + 0.0);
+    const auto [entry, fresh] = seen.try_emplace(key, *count);
+    number[i] = entry->second;
+    if (fresh) {
+      ++*count;
+    } else {
+      ++*welded;
+    }
+  }
+  return number;
+}
+
+}  // namespace
+
+absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh) {
+  if (mesh.faces.empty()) {
+    return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kMeshEmpty,
+                     "the mesh has no faces; at least one of positive area is needed");
+  }
+  CCST_RETURN_IF_ERROR(CheckNumbers(mesh));
+
+  Surface surface;
+  std::int32_t count = 0;
+  const std::vector<std::int32_t> number =
+      MergeVertices(mesh, &count, &surface.welded_vertices_, &surface.isolated_vertices_);
+  std::vector<std::int32_t> original(count, -1);
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = -low;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] < 0 || original[number[i]] >= 0) continue;
+    original[number[i]] = static_cast<std::int32_t>(i);
+    low = low.cwiseMin(mesh.positions[i]);
+    high = high.cwiseMax(mesh.positions[i]);
+  }
+  surface.center_ = 0.5 * low + 0.5 * high;
+  const double half_extent = (0.5 * high - 0.5 * low).maxCoeff();
+  if (!(half_extent > 0.0)) {
+    return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kMeshEmpty,
+                     absl::StrCat("all vertices lie at ", Describe(low),
+                                  "; at least one face of positive area is needed"));
+  }
+  int exponent = 0;
+  std::frexp(half_extent, &exponent);
+  surface.unit_ = std::ldexp(1.0, exponent + 1);
+
+  surface.positions_.resize(count);
+  for (std::int32_t i = 0; i < count; ++i) {
+    surface.positions_[i] = (mesh.positions[original[i]] - surface.center_) / surface.unit_;
+  }
+  surface.diagonal_ = ((high - low) / surface.unit_).norm();
+  surface.faces_.resize(mesh.faces.size());
+  surface.face_areas_.resize(mesh.faces.size());
+  std::vector<Eigen::Vector3d> sums(count, Eigen::Vector3d::Zero());
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    const Eigen::Vector3i& in = mesh.faces[f];
+    const Eigen::Vector3i face(number[in[0]], number[in[1]], number[in[2]]);
+    if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) {
+      return Degenerate(absl::StrCat("face ", f, " (", in[0], ", ", in[1], ", ", in[2],
+                                     ") uses one position twice; its three corners must differ"));
+    }
+    surface.faces_[f] = face;
+    const Eigen::Vector3d normal =
+        (surface.positions_[face[1]] - surface.positions_[face[0]])
+            .cross(surface.positions_[face[2]] - surface.positions_[face[0]]);
+    surface.face_areas_[f] = 0.5 * normal.norm();
+    for (int k = 0; k < 3; ++k) sums[face[k]] += normal;
+    surface.area_ += surface.face_areas_[f];
+  }
+  if (!(surface.area_ > 1e-14 * surface.diagonal_ * surface.diagonal_)) {
+    return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kMeshEmpty,
+                     "no face has a positive area; all of them are points or line segments");
+  }
+  CCST_RETURN_IF_ERROR(surface.Connect(original));
+  CCST_RETURN_IF_ERROR(surface.CheckVertices(original));
+  surface.FindComponentsAndLoops();
+
+  surface.normals_.resize(count);
+  for (std::int32_t i = 0; i < count; ++i) {
+    const double norm = sums[i].norm();
+    surface.normals_[i] = norm > 0.0 ? Eigen::Vector3d(sums[i] / norm) : Eigen::Vector3d::UnitZ();
+  }
+  surface.shapes_ = VertexShapeTensors(surface.positions_, surface.faces_, surface.normals_);
+  return surface;
+}
+
+absl::Status Surface::Connect(const std::vector<std::int32_t>& original_vertex) {
+  const std::int32_t half_edges = 3 * face_count();
+  twins_.assign(half_edges, -1);
+  // Half-edges by their smaller vertex, as a compressed list.
+  std::vector<std::int32_t> start(positions_.size() + 1, 0);
+  for (std::int32_t h = 0; h < half_edges; ++h) ++start[std::min(Origin(h), Target(h)) + 1];
+  for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+  std::vector<std::int32_t> list(half_edges);
+  std::vector<std::int32_t> fill(start.begin(), start.end() - 1);
+  for (std::int32_t h = 0; h < half_edges; ++h) list[fill[std::min(Origin(h), Target(h))]++] = h;
+  const auto far_end = [&](std::int32_t h) { return std::max(Origin(h), Target(h)); };
+  for (std::int32_t v = 0; v < vertex_count(); ++v) {
+    // Equal edges side by side, in the order of the faces.
+    std::sort(list.begin() + start[v], list.begin() + start[v + 1],
+              [&](std::int32_t a, std::int32_t b) {
+                return std::pair(far_end(a), a) < std::pair(far_end(b), b);
+              });
+    for (std::int32_t i = start[v]; i < start[v + 1]; ++i) {
+      const std::int32_t h = list[i];
+      const std::int32_t other = far_end(h);
+      for (std::int32_t j = i + 1; j < start[v + 1] && far_end(list[j]) == other; ++j) {
+        const std::int32_t g = list[j];
+        const std::string edge =
+            absl::StrCat("the edge between vertices ", original_vertex[v], " and ",
+                         original_vertex[other], " near ", Describe(ToMesh(positions_[v])));
+        if (twins_[h] >= 0 || twins_[g] >= 0) {
+          return NotManifold(absl::StrCat(edge, " is shared by more than two faces (", h / 3, ", ",
+                                          g / 3, ", ...); at most two may meet at an edge"));
+        }
+        if (Origin(h) == Origin(g)) {
+          return NotManifold(absl::StrCat(edge, " is traversed in the same direction by faces ",
+                                          h / 3, " and ", g / 3,
+                                          "; neighbouring faces must be oriented alike"));
+        }
+        twins_[h] = g;
+        twins_[g] = h;
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Surface::CheckVertices(const std::vector<std::int32_t>& original_vertex) {
+  const std::int32_t half_edges = 3 * face_count();
+  outgoing_.assign(positions_.size(), -1);
+  std::vector<std::int32_t> degree(positions_.size(), 0);
+  for (std::int32_t h = 0; h < half_edges; ++h) {
+    const std::int32_t v = Origin(h);
+    ++degree[v];
+    if (outgoing_[v] < 0 || twins_[h] < 0) outgoing_[v] = h;
+  }
+  for (std::int32_t v = 0; v < vertex_count(); ++v) {
+    std::int32_t seen = 0;
+    std::int32_t h = outgoing_[v];
+    do {
+      ++seen;
+      h = twins_[h - h % 3 + (h % 3 + 2) % 3];
+    } while (h >= 0 && h != outgoing_[v] && seen <= degree[v]);
+    if (seen != degree[v]) {
+      return NotManifold(
+          absl::StrCat("vertex ", original_vertex[v], " at ", Describe(ToMesh(positions_[v])),
+                       " has ", degree[v], " faces of which only ", seen,
+                       " are connected around it; the faces at a vertex must form one fan"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+void Surface::FindComponentsAndLoops() {
+  face_components_.assign(faces_.size(), -1);
+  std::vector<std::int32_t> stack;
+  std::vector<std::int64_t> edges;
+  std::vector<std::int64_t> vertices;
+  for (std::int32_t seed = 0; seed < face_count(); ++seed) {
+    if (face_components_[seed] >= 0) continue;
+    const auto component = static_cast<std::int32_t>(component_areas_.size());
+    component_areas_.push_back(0.0);
+    component_eulers_.push_back(0);
+    face_components_[seed] = component;
+    stack.assign(1, seed);
+    while (!stack.empty()) {
+      const std::int32_t face = stack.back();
+      stack.pop_back();
+      component_areas_[component] += face_areas_[face];
+      component_eulers_[component] += 1;
+      for (int k = 0; k < 3; ++k) {
+        const std::int32_t twin = twins_[3 * face + k];
+        if (twin < 3 * face + k) component_eulers_[component] -= 1;  // Each edge once.
+        if (twin >= 0 && face_components_[twin / 3] < 0) {
+          face_components_[twin / 3] = component;
+          stack.push_back(twin / 3);
+        }
+      }
+    }
+  }
+  for (const std::int32_t h : outgoing_) component_eulers_[face_components_[h / 3]] += 1;
+
+  std::vector<std::uint8_t> visited(twins_.size(), 0);
+  for (std::int32_t first = 0; first < 3 * face_count(); ++first) {
+    if (twins_[first] >= 0 || visited[first]) continue;
+    BoundaryLoop loop;
+    loop.component = face_components_[first / 3];
+    std::int32_t h = first;
+    do {
+      visited[h] = 1;
+      loop.half_edges.push_back(h);
+      loop.length += (positions_[Target(h)] - positions_[Origin(h)]).norm();
+      h = outgoing_[Target(h)];
+    } while (h != first);
+    boundary_loops_.push_back(std::move(loop));
+  }
+}
+
+Eigen::Vector3d Surface::NormalAt(std::int32_t face, const Eigen::Vector3d& weights) const {
+  const Eigen::Vector3i& corner = faces_[face];
+  const Eigen::Vector3d sum = weights[0] * normals_[corner[0]] + weights[1] * normals_[corner[1]] +
+                              weights[2] * normals_[corner[2]];
+  const double norm = sum.norm();
+  return norm > 1e-12 ? Eigen::Vector3d(sum / norm) : normals_[corner[0]];
+}
+
+Eigen::Matrix<double, 6, 1> Surface::ShapeAt(std::int32_t face,
+                                             const Eigen::Vector3d& weights) const {
+  Eigen::Matrix<double, 6, 1> shape;
+  const Eigen::Vector3i& corner = faces_[face];
+  for (int i = 0; i < 6; ++i) {
+    shape[i] = weights[0] * shapes_[corner[0]][i] + weights[1] * shapes_[corner[1]][i] +
+               weights[2] * shapes_[corner[2]][i];
+  }
+  return shape;
+}
+
+SurfacePoint Surface::ClosestOnFace(std::int32_t face, const Eigen::Vector3d& target) const {
+  const Eigen::Vector3i& corner = faces_[face];
+  const Eigen::Vector3d& a = positions_[corner[0]];
+  const Eigen::Vector3d& b = positions_[corner[1]];
+  const Eigen::Vector3d& c = positions_[corner[2]];
+  const Eigen::Vector3d weights = ClosestWeights(target, a, b, c);
+  return {face, weights, weights[0] * a + weights[1] * b + weights[2] * c};
+}
+
+SurfacePoint Surface::Follow(std::int32_t face, const Eigen::Vector3d& target) const {
+  SurfacePoint best = ClosestOnFace(face, target);
+  double distance = (best.position - target).squaredNorm();
+  while (true) {
+    const int zeros =
+        (best.weights[0] == 0.0) + (best.weights[1] == 0.0) + (best.weights[2] == 0.0);
+    if (zeros == 0) return best;
+    SurfacePoint next = best;
+    double next_distance = distance;
+    const auto consider = [&](std::int32_t candidate) {
+      const SurfacePoint point = ClosestOnFace(candidate, target);
+      const double d = (point.position - target).squaredNorm();
+      if (d < next_distance) {
+        next = point;
+        next_distance = d;
+      }
+    };
+    if (zeros == 1) {
+      const int opposite = best.weights[0] == 0.0 ? 0 : best.weights[1] == 0.0 ? 1 : 2;
+      const std::int32_t twin = twins_[3 * best.face + (opposite + 1) % 3];
+      if (twin >= 0) consider(twin / 3);
+    } else {
+      const int corner = best.weights[0] > 0.0 ? 0 : best.weights[1] > 0.0 ? 1 : 2;
+      const std::int32_t start = outgoing_[faces_[best.face][corner]];
+      std::int32_t h = start;
+      do {
+        if (h / 3 != best.face) consider(h / 3);
+        h = twins_[h - h % 3 + (h % 3 + 2) % 3];
+      } while (h >= 0 && h != start);
+    }
+    // A relative margin ends the walk where rounding alone tells the candidates apart.
+    if (!(next_distance < distance * (1.0 - 1e-12))) return best;
+    best = next;
+    distance = next_distance;
+  }
+}
+
+}  // namespace ccst
