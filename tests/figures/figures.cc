@@ -91,6 +91,21 @@ double HostError(const TriangleMesh& mesh, const SampleSet& samples, std::size_t
   return (host - samples.positions[i]).norm();
 }
 
+// Why distances and angles cannot be measured at all; empty when they can.
+std::string WhyUnusable(const SampleSet& samples) {
+  const std::size_t count = samples.positions.size();
+  if (samples.faces.size() != count || samples.barycentrics.size() != count ||
+      samples.normals.size() != count) {
+    return "the arrays of the sample set have different lengths";
+  }
+  if (samples.triangles.empty()) return "there are no sample triangles";
+  const auto finite = [](const Eigen::Vector3d& p) { return p.allFinite(); };
+  if (!std::all_of(samples.positions.begin(), samples.positions.end(), finite)) {
+    return "a sample has a coordinate that is not finite";
+  }
+  return "";
+}
+
 std::string Describe(const quality::SamplePair& pair, std::span<const Eigen::Vector3d> positions) {
   if (pair.first < 0) return "";
   const Eigen::Vector3d& p = positions[pair.first];
@@ -130,17 +145,9 @@ Figures MeasureFigures(const TriangleMesh& input, const ReferenceSurface& surfac
   figures.components = topology.components;
   figures.boundary_loops = static_cast<std::int64_t>(topology.boundary_loops.size());
   figures.defect = topology.first_defect;
-  if (samples.faces.size() != count || samples.barycentrics.size() != count ||
-      samples.normals.size() != count) {
-    figures.defect = "the arrays of the sample set have different lengths";
-  } else if (!std::all_of(samples.positions.begin(), samples.positions.end(),
-                          [](const Eigen::Vector3d& p) { return p.allFinite(); })) {
-    figures.defect = "a sample has a coordinate that is not finite";
-  }
-  if (count == 0 || samples.triangles.empty() || topology.bad_faces > 0 ||
-      samples.faces.size() != count || samples.barycentrics.size() != count ||
-      samples.normals.size() != count) {
-    if (figures.defect.empty()) figures.defect = "there are no sample triangles";
+  const std::string unusable = WhyUnusable(samples);
+  if (!unusable.empty() || topology.bad_faces > 0) {
+    if (!unusable.empty()) figures.defect = unusable;
     figures.max_host_error = figures.max_distance = std::numeric_limits<double>::infinity();
     return figures;
   }

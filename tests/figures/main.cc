@@ -26,7 +26,7 @@
 namespace {
 
 using ccst::figures::ReferenceSurface;
-using ccst::figures::Run;
+using ccst::figures::RunRecord;
 
 const std::vector<std::string> kModels = {
     "paper/kitten_9756.off",
@@ -94,7 +94,7 @@ Model LoadModel(const std::string& path) {
   return model;
 }
 
-void Sample(const Model& model, const Options& options, Run& run) {
+void Sample(const Model& model, const Options& options, RunRecord& run) {
   run.error = model.error;
   if (!run.error.empty()) return;
   ccst::SamplingOptions sampling;
@@ -133,7 +133,7 @@ void Sample(const Model& model, const Options& options, Run& run) {
 
 // Runs everything on `options.jobs` threads and prints the rows in the order of `runs`.
 void RunAll(const Options& options, const std::map<std::string, Model>& models,
-            std::vector<Run>& runs, int model_width) {
+            std::vector<RunRecord>& runs, int model_width) {
   std::mutex mutex;
   std::condition_variable finished;
   std::vector<bool> done(runs.size(), false);
@@ -186,7 +186,7 @@ int Figures(const Options& options) {
   const std::vector<std::string> names =
       options.all_meshes ? ListMeshes(options.folder) : options.models;
   std::map<std::string, Model> models;
-  std::vector<Run> runs;
+  std::vector<RunRecord> runs;
   int model_width = 5;
   for (const std::string& name : names) {
     Model model = LoadModel(options.folder + "/" + name);
@@ -196,7 +196,7 @@ int Figures(const Options& options) {
     model_width = std::max(model_width, static_cast<int>(name.size()));
     for (const std::int64_t count : options.counts) {
       for (const std::uint64_t seed : options.seeds) {
-        Run& run = runs.emplace_back();
+        RunRecord& run = runs.emplace_back();
         run.model = name;
         run.sample_count = count;
         run.seed = seed;
@@ -207,9 +207,10 @@ int Figures(const Options& options) {
 
   std::printf("%s\n", ccst::figures::FormatHeader(model_width).c_str());
   RunAll(options, models, runs, model_width);
-  const auto held = std::count_if(runs.begin(), runs.end(), [](const Run& r) { return r.Holds(); });
+  const auto held =
+      std::count_if(runs.begin(), runs.end(), [](const RunRecord& r) { return r.Holds(); });
   std::map<std::string, int> misses;
-  for (const Run& run : runs) {
+  for (const RunRecord& run : runs) {
     for (const std::string& miss : run.misses) ++misses[miss];
     if (!run.error.empty()) ++misses["error"];
     if (!run.bits_equal) ++misses["bits"];
@@ -220,7 +221,7 @@ int Figures(const Options& options) {
 
   if (!options.json_path.empty()) {
     std::ofstream json(options.json_path);
-    for (const Run& run : runs) json << ccst::figures::FormatJson(run) << "\n";
+    for (const RunRecord& run : runs) json << ccst::figures::FormatJson(run) << "\n";
     if (!json.flush()) {
       std::fprintf(stderr, "cannot write %s\n", options.json_path.c_str());
       return 2;

@@ -31,7 +31,7 @@ char TerminationLetter(Termination termination) {
   return '?';
 }
 
-std::vector<Cell> Cells(const Run& run) {
+std::vector<Cell> Cells(const RunRecord& run) {
   const Figures& f = run.figures;
   const auto number = [](double value, int digits) {
     return absl::StrFormat("%.*f", digits, value);
@@ -75,13 +75,13 @@ std::vector<Cell> Cells(const Run& run) {
 
 std::string FormatHeader(int model_width) {
   std::string line = absl::StrFormat("%-*s", model_width, "model");
-  for (const Cell& cell : Cells(Run{})) {
+  for (const Cell& cell : Cells(RunRecord{})) {
     absl::StrAppendFormat(&line, " %*s ", cell.width, std::string(cell.heading));
   }
   return line;
 }
 
-std::string FormatRow(const Run& run, int model_width) {
+std::string FormatRow(const RunRecord& run, int model_width) {
   std::string line = absl::StrFormat("%-*s", model_width, run.model);
   if (!run.error.empty()) {
     absl::StrAppendFormat(&line, " %7d  %5d  * %s", run.sample_count, run.seed, run.error);
@@ -98,7 +98,7 @@ std::string FormatRow(const Run& run, int model_width) {
   return line;
 }
 
-std::string FormatJson(const Run& run) {
+std::string FormatJson(const RunRecord& run) {
   const Figures& f = run.figures;
   nlohmann::json json = {{"model", run.model},
                          {"count", run.sample_count},

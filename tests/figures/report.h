@@ -10,7 +10,7 @@
 namespace ccst::figures {
 
 /// One run of the sampler and what it is worth.
-struct Run {
+struct RunRecord {
   std::string model;  ///< Path below the mesh folder.
   std::int64_t sample_count = 0;
   std::uint64_t seed = 0;
@@ -37,9 +37,9 @@ std::string FormatHeader(int model_width);
 
 /// One aligned line; figures that miss end in `*`. Lines that say where follow it when the
 /// sample mesh is not manifold or two samples are too close.
-std::string FormatRow(const Run& run, int model_width);
+std::string FormatRow(const RunRecord& run, int model_width);
 
 /// One JSON object, every figure under its name in `Figures`.
-std::string FormatJson(const Run& run);
+std::string FormatJson(const RunRecord& run);
 
 }  // namespace ccst::figures
