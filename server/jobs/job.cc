@@ -46,12 +46,7 @@ JobView Job::View() const {
 
 std::int64_t Job::Version() const {
   MutexLock lock(mutex_);
-  return version_;
-}
-
-bool Job::Ended() const {
-  MutexLock lock(mutex_);
-  return HasEnded(view_.state);
+  return view_.version;
 }
 
 std::optional<AlternationReport> Job::Report(std::size_t index) const {
@@ -91,7 +86,7 @@ void Job::SetQueuePosition(int position) {
     MutexLock lock(mutex_);
     if (view_.queue_position == position || view_.state != JobState::kQueued) return;
     view_.queue_position = position;
-    ++version_;
+    ++view_.version;
   }
   Notify();
 }
@@ -124,7 +119,7 @@ void Job::AddPhase(Phase phase) {
     MutexLock lock(mutex_);
     if (view_.phase == phase) return;
     view_.phase = phase;
-    ++version_;
+    ++view_.version;
   }
   Notify();
 }
@@ -174,7 +169,7 @@ bool Job::Advance(JobEvent event) {
   const auto next = NextState(view_.state, event);
   if (!next.has_value()) return false;
   view_.state = *next;
-  ++version_;
+  ++view_.version;
   return true;
 }
 

@@ -28,6 +28,7 @@ struct JobSpec {
 struct JobResult {
   SamplingResult run;
   std::string samples_sha256;
+  std::int64_t samples_bytes = 0;  ///< Length of what the digest is of.
   double queue_seconds = 0.0;
   double decode_seconds = 0.0;
   double total_seconds = 0.0;  ///< Decoding and the run.
@@ -45,6 +46,7 @@ enum class StopCause { kNone, kCaller, kDrain };
 
 /// A job at one moment. Plain values.
 struct JobView {
+  std::int64_t version = 1;  ///< Grows with every change here except of `last_report`.
   std::string name;
   SamplingOptions options;
   JobState state = JobState::kQueued;
@@ -70,9 +72,8 @@ class Job {
 
   /// The job now.
   JobView View() const;
-  /// Grows with every change that View() shows except new reports.
+  /// `View().version`, cheaper.
   std::int64_t Version() const;
-  bool Ended() const;
 
   /// Report number `index` of the run; empty when there are not so many yet.
   std::optional<AlternationReport> Report(std::size_t index) const;
@@ -121,7 +122,6 @@ class Job {
   mutable Mutex mutex_;
   std::string mesh_ ABSL_GUARDED_BY(mutex_);
   JobView view_ ABSL_GUARDED_BY(mutex_);
-  std::int64_t version_ ABSL_GUARDED_BY(mutex_) = 1;
   double start_seconds_ ABSL_GUARDED_BY(mutex_) = 0.0;
   std::vector<AlternationReport> reports_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<const JobPreview> preview_ ABSL_GUARDED_BY(mutex_);

@@ -1,0 +1,51 @@
+#include "server/rpc/server_info_service.h"
+
+#include <string>
+#include <utility>
+
+#include "core/base/version.h"
+#include "core/sampling/sampling.h"
+#include "proto/convert/scalars.h"
+
+namespace ccst::server {
+
+v1::ServerLimits ToProto(const RequestLimits& request, const MeshLimits& mesh,
+                         const RunnerOptions& runner) {
+  v1::ServerLimits limits;
+  limits.set_max_inline_mesh_bytes(request.max_inline_mesh_bytes);
+  limits.set_max_vertex_count(mesh.max_vertices);
+  limits.set_max_face_count(mesh.max_faces);
+  limits.set_max_sample_count(request.max_sample_count);
+  limits.set_max_iterations(request.max_iterations);
+  limits.set_max_queued_jobs(runner.max_queued_jobs);
+  limits.set_max_running_jobs(runner.max_running_jobs);
+  *limits.mutable_max_job_duration() = DurationToProto(request.max_job_seconds);
+  return limits;
+}
+
+ServerInfoService::ServerInfoService(const JobRunner& runner, ServerLog& log, const Clock& clock,
+                                     v1::ServerLimits limits)
+    : runner_(runner), log_(log), clock_(clock), limits_(std::move(limits)) {}
+
+grpc::ServerUnaryReactor* ServerInfoService::GetServerInfo(
+    grpc::CallbackServerContext* context, const v1::GetServerInfoRequest* /*request*/,
+    v1::GetServerInfoResponse* response) {
+  const double start = clock_.seconds();
+  response->set_server_version(std::string(ProjectVersion()));
+  response->set_source_revision(std::string(SourceRevision()));
+  response->set_algorithm_revision(kAlgorithmRevision);
+  response->add_mesh_formats(v1::MESH_FORMAT_DRACO);
+  *response->mutable_limits() = limits_;
+  const RunnerLoad load = runner_.Load();
+  response->mutable_load()->set_queued_job_count(load.queued);
+  response->mutable_load()->set_running_job_count(load.running);
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(grpc::Status::OK);
+  log_.Request({.method = "GetServerInfo",
+                .code = "OK",
+                .seconds = clock_.seconds() - start,
+                .messages_sent = 1});
+  return reactor;
+}
+
+}  // namespace ccst::server

@@ -1,0 +1,68 @@
+#include "server/rpc/server_log.h"
+
+#include <cstdio>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+namespace ccst::server {
+namespace {
+
+std::string FormatTime(absl::Time time) {
+  return absl::FormatTime("%Y-%m-%dT%H:%M:%E3SZ", time, absl::UTCTimeZone());
+}
+
+std::string Milliseconds(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", seconds * 1e3);
+  return text;
+}
+
+}  // namespace
+
+ServerLog::ServerLog(LogFormat format, std::function<absl::Time()> now,
+                     std::function<void(const std::string&)> write)
+    : format_(format), now_(std::move(now)), write_(std::move(write)) {}
+
+void ServerLog::Request(const RequestRecord& record) {
+  const std::string time = FormatTime(now_());
+  if (format_ == LogFormat::kJson) {
+    Write(nlohmann::ordered_json{{"time", time},
+                                 {"method", record.method},
+                                 {"job", record.job},
+                                 {"code", record.code},
+                                 {"reason", record.reason},
+                                 {"seconds", record.seconds},
+                                 {"request_bytes", record.request_bytes},
+                                 {"samples_requested", record.samples_requested},
+                                 {"samples_sent", record.samples_sent},
+                                 {"messages_sent", record.messages_sent}}
+              .dump());
+    return;
+  }
+  std::string line = time + " " + record.method + " " + record.code;
+  if (!record.reason.empty()) line += " " + record.reason;
+  line += " " + Milliseconds(record.seconds) + " ms";
+  if (!record.job.empty()) line += " " + record.job;
+  line += " request_bytes=" + std::to_string(record.request_bytes) +
+          " samples=" + std::to_string(record.samples_sent) + "/" +
+          std::to_string(record.samples_requested) +
+          " messages=" + std::to_string(record.messages_sent);
+  Write(line);
+}
+
+void ServerLog::Message(std::string_view message) {
+  const std::string time = FormatTime(now_());
+  if (format_ == LogFormat::kJson) {
+    Write(nlohmann::ordered_json{{"time", time}, {"message", std::string(message)}}.dump());
+  } else {
+    Write(time + " " + std::string(message));
+  }
+}
+
+void ServerLog::Write(const std::string& line) {
+  MutexLock lock(mutex_);
+  write_(line);
+}
+
+}  // namespace ccst::server
