@@ -1,0 +1,94 @@
+#include "core/io/mesh_file.h"
+
+#include <array>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+#include "core/io/atomic_file.h"
+#include "core/io/draco_mesh.h"
+#include "core/io/io_errors.h"
+#include "core/io/mesh_readers.h"
+#include "core/io/numbers.h"
+#include "core/io/path_extension.h"
+#include "core/io/whole_file.h"
+
+namespace ccst {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, MeshFormat>, 5> kFormats = {{
+    {".obj", MeshFormat::kObj},
+    {".ply", MeshFormat::kPly},
+    {".stl", MeshFormat::kStl},
+    {".off", MeshFormat::kOff},
+    {".drc", MeshFormat::kDraco},
+}};
+
+constexpr std::array<std::pair<std::string_view, MeshOutputFormat>, 6> kOutputFormats = {{
+    {".obj", MeshOutputFormat::kObj},
+    {".ply", MeshOutputFormat::kPly},
+    {".stl", MeshOutputFormat::kStl},
+    {".off", MeshOutputFormat::kOff},
+    {".drc", MeshOutputFormat::kDraco},
+    {".glb", MeshOutputFormat::kGlb},
+}};
+
+}  // namespace
+
+std::optional<MeshFormat> MeshFormatFromPath(std::string_view path) {
+  return io::FindByExtension(path, kFormats);
+}
+
+std::optional<MeshOutputFormat> MeshOutputFormatFromPath(std::string_view path) {
+  return io::FindByExtension(path, kOutputFormats);
+}
+
+absl::StatusOr<MeshFile> ReadMesh(std::string_view bytes, MeshFormat format,
+                                  const MeshLimits& limits) {
+  if (static_cast<std::int64_t>(bytes.size()) > limits.max_bytes) {
+    return io::OverLimit(
+        absl::StrCat(bytes.size(), " bytes; at most ", limits.max_bytes, " are accepted"));
+  }
+  if (bytes.empty()) return io::Empty("the file is empty");
+  switch (format) {
+    case MeshFormat::kObj:
+      return io::ReadObj(bytes, limits);
+    case MeshFormat::kPly:
+      return io::ReadPly(bytes, limits);
+    case MeshFormat::kStl:
+      return io::ReadStl(bytes, limits);
+    case MeshFormat::kOff:
+      return io::ReadOff(bytes, limits);
+    case MeshFormat::kDraco: {
+      CCST_ASSIGN_OR_RETURN(TriangleMesh mesh, DecodeDraco(bytes, limits));
+      return MeshFile{.mesh = std::move(mesh), .face_source = {}};
+    }
+  }
+  return io::Unreadable("unknown mesh format");
+}
+
+absl::StatusOr<MeshFile> ReadMeshFile(const std::string& path, const MeshLimits& limits) {
+  const auto format = MeshFormatFromPath(path);
+  if (!format.has_value()) {
+    return io::Unreadable(
+        absl::StrCat(path, ": cannot tell the format; known are .obj .ply .stl .off .drc"));
+  }
+  CCST_ASSIGN_OR_RETURN(const std::string bytes, io::ReadWholeFile(path, limits.max_bytes));
+  auto file = ReadMesh(bytes, *format, limits);
+  if (!file.ok()) return io::WithPrefix(file.status(), path + ": ");
+  return file;
+}
+
+absl::Status WriteMeshFile(const TriangleMesh& mesh, const std::string& path) {
+  const auto format = MeshOutputFormatFromPath(path);
+  if (!format.has_value()) {
+    return MakeError(
+        absl::StatusCode::kInvalidArgument, ErrorReason::kOptionInvalid,
+        absl::StrCat(path, ": cannot tell the format; known are .obj .ply .stl .off .drc .glb"));
+  }
+  const auto bytes = EncodeMesh(mesh, *format);
+  if (!bytes.ok()) return io::WithPrefix(bytes.status(), path + ": ");
+  return WriteFileAtomically(path, *bytes);
+}
+
+}  // namespace ccst
