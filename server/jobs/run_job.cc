@@ -34,6 +34,13 @@ std::vector<std::string> WarningsOf(const SamplingResult& result) {
   return warnings;
 }
 
+// Length of the byte layout of proto/docs/samples.md, which the digest is of: a mark of 15 bytes,
+// two counts, 20 bytes a sample and 12 a triangle.
+std::int64_t LayoutBytes(const SampleSet& samples) {
+  return 15 + 2 * 8 + 20 * static_cast<std::int64_t>(samples.faces.size()) +
+         12 * static_cast<std::int64_t>(samples.triangles.size());
+}
+
 absl::StatusOr<JobResult> Compute(Job& job, const RunDependencies& dependencies) {
   const auto seconds = dependencies.clock.seconds;
   const double start = seconds();
@@ -55,6 +62,7 @@ absl::StatusOr<JobResult> Compute(Job& job, const RunDependencies& dependencies)
       dependencies.sample(mesh, job.options(), {.stop = job.stop_token(), .progress = &progress}));
   if (result.run.termination == Termination::kStopped) return stopped;
   result.samples_sha256 = dependencies.digest(result.run.samples);
+  result.samples_bytes = LayoutBytes(result.run.samples);
   result.warnings = WarningsOf(result.run);
   result.total_seconds = seconds() - start;
   return result;

@@ -41,10 +41,12 @@ grpc::ServerUnaryReactor* ServerInfoService::GetServerInfo(
   response->mutable_load()->set_running_job_count(load.running);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(grpc::Status::OK);
-  log_.Request({.method = "GetServerInfo",
-                .code = "OK",
-                .seconds = clock_.seconds() - start,
-                .messages_sent = 1});
+  RequestRecord record;
+  record.method = "GetServerInfo";
+  record.code = "OK";
+  record.seconds = clock_.seconds() - start;
+  record.messages_sent = 1;
+  log_.Request(record);
   return reactor;
 }
 

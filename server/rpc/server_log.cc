@@ -8,7 +8,7 @@
 namespace ccst::server {
 namespace {
 
-std::string FormatTime(absl::Time time) {
+std::string Timestamp(absl::Time time) {
   return absl::FormatTime("%Y-%m-%dT%H:%M:%E3SZ", time, absl::UTCTimeZone());
 }
 
@@ -25,7 +25,7 @@ ServerLog::ServerLog(LogFormat format, std::function<absl::Time()> now,
     : format_(format), now_(std::move(now)), write_(std::move(write)) {}
 
 void ServerLog::Request(const RequestRecord& record) {
-  const std::string time = FormatTime(now_());
+  const std::string time = Timestamp(now_());
   if (format_ == LogFormat::kJson) {
     Write(nlohmann::ordered_json{{"time", time},
                                  {"method", record.method},
@@ -52,7 +52,7 @@ void ServerLog::Request(const RequestRecord& record) {
 }
 
 void ServerLog::Message(std::string_view message) {
-  const std::string time = FormatTime(now_());
+  const std::string time = Timestamp(now_());
   if (format_ == LogFormat::kJson) {
     Write(nlohmann::ordered_json{{"time", time}, {"message", std::string(message)}}.dump());
   } else {

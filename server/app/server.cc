@@ -1,0 +1,145 @@
+#include "server/app/server.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
+#include <grpcpp/security/server_credentials.h>
+#include <grpcpp/server_builder.h>
+
+#include "core/base/status.h"
+#include "grpc/health/v1/health.pb.h"
+#include "server/app/system.h"
+
+namespace ccst::server {
+namespace {
+
+constexpr int kMebibyte = 1 << 20;
+// What a request holds beside its mesh.
+constexpr int kRequestOverhead = kMebibyte;
+// Chunks are under 1 MiB, previews too.
+constexpr int kMaxSendBytes = 4 * kMebibyte;
+// What gRPC may use for messages on their way in and out, in largest requests.
+constexpr std::size_t kQuotaRequests = 8;
+constexpr std::size_t kMinQuotaBytes = std::size_t{256} << 20;
+constexpr int kMaxStreamsPerConnection = 1024;
+// Finds callers whose machine is gone; lets clients ping as often as every 10 s.
+constexpr int kKeepaliveMs = 30'000;
+constexpr int kKeepaliveTimeoutMs = 10'000;
+constexpr int kMinClientPingMs = 10'000;
+// Stopped jobs end within 100 ms; this is for their answers to leave.
+constexpr absl::Duration kStopGrace = absl::Seconds(2);
+constexpr std::chrono::milliseconds kShutdownGrace(100);
+
+RunDependencies WithLimits(RunDependencies run, const ServerOptions& options) {
+  run.mesh_limits = options.mesh_limits;
+  run.mesh_limits.max_bytes = options.request_limits.max_inline_mesh_bytes;
+  return run;
+}
+
+std::string WithPort(const std::string& listen, int port) {
+  return listen.substr(0, listen.rfind(':') + 1) + std::to_string(port);
+}
+
+void SetLimits(const ServerOptions& options, grpc::ServerBuilder& builder) {
+  const int receive =
+      static_cast<int>(options.request_limits.max_inline_mesh_bytes) + kRequestOverhead;
+  builder.SetMaxReceiveMessageSize(receive);
+  builder.SetMaxSendMessageSize(kMaxSendBytes);
+  grpc::ResourceQuota quota("ccst");
+  quota.Resize(std::max(kMinQuotaBytes, kQuotaRequests * static_cast<std::size_t>(receive)));
+  builder.SetResourceQuota(quota);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
+                             kMinClientPingMs);
+  // Two servers on one port would share its callers by chance.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+}
+
+}  // namespace
+
+Server::Dependencies Server::RealDependencies(const ServerOptions& options) {
+  return {.run = RealRunDependencies(SystemClock(), options.mesh_limits),
+          .new_id = NewUuid,
+          .write_log = [](const std::string& line) {
+            std::fprintf(stderr, "%s\n", line.c_str());
+            std::fflush(stderr);
+          }};
+}
+
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options,
+                                                      Dependencies dependencies) {
+  CCST_RETURN_IF_ERROR(options.Validate());
+  std::unique_ptr<Server> server(new Server(options, std::move(dependencies)));
+  CCST_RETURN_IF_ERROR(server->Listen());
+  return server;
+}
+
+Server::Server(const ServerOptions& options, Dependencies dependencies)
+    : options_(options),
+      clock_(dependencies.run.clock),
+      log_(options.log_format, clock_.now, std::move(dependencies.write_log)),
+      runner_(options.runner, WithLimits(std::move(dependencies.run), options),
+              std::move(dependencies.new_id)),
+      sampling_service_(runner_, log_, clock_, options.request_limits, options.threads_per_job),
+      server_info_service_(runner_, log_, clock_,
+                           ToProto(options.request_limits, options.mesh_limits, options.runner)) {}
+
+Server::~Server() {
+  runner_.StartDraining();
+  runner_.StopAll();
+  if (server_ != nullptr) server_->Shutdown(std::chrono::system_clock::now() + kShutdownGrace);
+}
+
+absl::Status Server::Listen() {
+  // Puts health's descriptor into the pool; reflection cannot list the services without it.
+  grpc::health::v1::HealthCheckRequest::descriptor();
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  int port = 0;
+  builder.AddListeningPort(options_.listen, grpc::InsecureServerCredentials(), &port);
+  builder.RegisterService(&sampling_service_);
+  builder.RegisterService(&server_info_service_);
+  SetLimits(options_, builder);
+  server_ = builder.BuildAndStart();
+  if (server_ == nullptr || port == 0) {
+    return absl::UnavailableError("cannot listen on " + options_.listen +
+                                  "; the address may be in use or not of this machine");
+  }
+  address_ = WithPort(options_.listen, port);
+  SetServing(true);
+  log_.Message("listening on " + address_);
+  return absl::OkStatus();
+}
+
+void Server::SetServing(bool serving) {
+  grpc::HealthCheckServiceInterface* health = server_->GetHealthCheckService();
+  for (const char* name :
+       {v1::SamplingService::service_full_name(), v1::ServerInfoService::service_full_name()}) {
+    health->SetServingStatus(name, serving);
+  }
+  health->SetServingStatus("", serving);
+}
+
+void Server::Drain() {
+  log_.Message("draining");
+  SetServing(false);
+  runner_.StartDraining();
+  if (!runner_.WaitUntilIdle(absl::Seconds(options_.drain_timeout_seconds))) {
+    log_.Message("drain timeout passed, stopping jobs");
+    runner_.StopAll();
+    runner_.WaitUntilIdle(kStopGrace);
+  }
+  server_->Shutdown(std::chrono::system_clock::now() + kShutdownGrace);
+  log_.Message("drained");
+}
+
+}  // namespace ccst::server

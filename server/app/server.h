@@ -1,0 +1,62 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <grpcpp/server.h>
+
+#include "absl/status/statusor.h"
+#include "server/app/server_options.h"
+#include "server/jobs/job_runner.h"
+#include "server/rpc/sampling_service.h"
+#include "server/rpc/server_info_service.h"
+#include "server/rpc/server_log.h"
+
+namespace ccst::server {
+
+/// A listening server: services, health, reflection, and the jobs behind them.
+class Server {
+ public:
+  /// What tests replace.
+  struct Dependencies {
+    RunDependencies run;
+    std::function<std::string()> new_id;
+    std::function<void(const std::string&)> write_log;  ///< Whole lines, one at a time.
+  };
+
+  /// The real ones: the core, random ids, a log on standard error.
+  static Dependencies RealDependencies(const ServerOptions& options);
+
+  /// Listens and serves until destroyed. INVALID_ARGUMENT for `options` | UNAVAILABLE when the
+  /// address cannot be bound.
+  static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options,
+                                                       Dependencies dependencies);
+  /// Stops everything at once.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// HOST:PORT with the port really listened on.
+  const std::string& address() const { return address_; }
+
+  /// Reports NOT_SERVING and refuses new jobs with UNAVAILABLE DRAINING; lets jobs finish for at
+  /// most `drain_timeout_seconds`, then stops them; returns when all callers have their answers.
+  void Drain();
+
+ private:
+  Server(const ServerOptions& options, Dependencies dependencies);
+  absl::Status Listen();
+  void SetServing(bool serving);
+
+  const ServerOptions options_;
+  const Clock clock_;
+  ServerLog log_;
+  JobRunner runner_;
+  SamplingService sampling_service_;
+  ServerInfoService server_info_service_;
+  std::string address_;
+  std::unique_ptr<grpc::Server> server_;  // Last: goes first.
+};
+
+}  // namespace ccst::server

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "core/io/mesh_limits.h"
+#include "server/jobs/clock.h"
+#include "server/jobs/run_job.h"
+
+namespace ccst::server {
+
+/// The machine's clocks.
+Clock SystemClock();
+
+/// A random (version 4) UUID.
+std::string NewUuid();
+
+/// Decodes Draco, samples with the core.
+RunDependencies RealRunDependencies(const Clock& clock, const MeshLimits& mesh_limits);
+
+}  // namespace ccst::server
