@@ -43,7 +43,7 @@ grpc::ServerUnaryReactor* ServerInfoService::GetServerInfo(
   reactor->Finish(grpc::Status::OK);
   RequestRecord record;
   record.method = "GetServerInfo";
-  record.code = "OK";
+  record.code = absl::StatusCodeToString(absl::StatusCode::kOk);
   record.seconds = clock_.seconds() - start;
   record.messages_sent = 1;
   log_.Request(record);

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "absl/strings/str_cat.h"
+
 namespace ccst::server {
 namespace {
 
@@ -40,14 +42,12 @@ void ServerLog::Request(const RequestRecord& record) {
               .dump());
     return;
   }
-  std::string line = time + " " + record.method + " " + record.code;
-  if (!record.reason.empty()) line += " " + record.reason;
-  line += " " + Milliseconds(record.seconds) + " ms";
-  if (!record.job.empty()) line += " " + record.job;
-  line += " request_bytes=" + std::to_string(record.request_bytes) +
-          " samples=" + std::to_string(record.samples_sent) + "/" +
-          std::to_string(record.samples_requested) +
-          " messages=" + std::to_string(record.messages_sent);
+  std::string line = absl::StrCat(time, " ", record.method, " ", record.code);
+  if (!record.reason.empty()) absl::StrAppend(&line, " ", record.reason);
+  absl::StrAppend(&line, " ", Milliseconds(record.seconds), " ms");
+  if (!record.job.empty()) absl::StrAppend(&line, " ", record.job);
+  absl::StrAppend(&line, " request_bytes=", record.request_bytes, " samples=", record.samples_sent,
+                  "/", record.samples_requested, " messages=", record.messages_sent);
   Write(line);
 }
 
@@ -56,7 +56,7 @@ void ServerLog::Message(std::string_view message) {
   if (format_ == LogFormat::kJson) {
     Write(nlohmann::ordered_json{{"time", time}, {"message", std::string(message)}}.dump());
   } else {
-    Write(time + " " + std::string(message));
+    Write(absl::StrCat(time, " ", std::string(message)));
   }
 }
 
