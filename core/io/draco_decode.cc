@@ -1,14 +1,13 @@
-#include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
+#include "core/io/draco_guard.h"
 #include "core/io/draco_header.h"
 #include "core/io/draco_mesh.h"
 #include "core/io/io_errors.h"
-#include "core/io/numbers.h"
 #include "draco/compression/mesh/mesh_edgebreaker_decoder.h"
 #include "draco/compression/mesh/mesh_sequential_decoder.h"
 #include "draco/core/decoder_buffer.h"
@@ -17,53 +16,12 @@
 namespace ccst {
 namespace {
 
-// Draco's decoder for one method, which stops once the connectivity and the list of attributes
-// are known and asks whether the values may be decoded. The header says nothing of attributes,
-// and a few bytes can announce hundreds of wide ones.
-template <typename Decoder>
-class GuardedDecoder : public Decoder {
- public:
-  GuardedDecoder(std::size_t size, const MeshLimits& limits) : size_(size), limits_(limits) {}
-
-  /// Why the decoder was stopped; OK when it was not.
-  const absl::Status& refusal() const { return refusal_; }
-
- protected:
-  bool DecodeAllAttributes() override {
-    refusal_ = Check();
-    return refusal_.ok() && Decoder::DecodeAllAttributes();
-  }
-
- private:
-  absl::Status Check() {
-    const draco::PointCloud& cloud = *this->point_cloud();
-    const std::int64_t points = cloud.num_points();
-    // With seams there are more points than the vertices announced, though never more than
-    // corners. Attributes have their own values; the limit is on those of the positions.
-    std::int64_t needed = 0;
-    for (int i = 0; i < cloud.num_attributes(); ++i) {
-      const draco::PointAttribute& attribute = *cloud.attribute(i);
-      const std::int64_t components = attribute.num_components();
-      const std::int64_t value_bytes = draco::DataTypeLength(attribute.data_type());
-      // The values, the integers they are decoded from, the map from points to values.
-      needed += points * (components * (value_bytes + 4) + 4);
-    }
-    return io::CheckDracoMemory(
-        needed, size_, limits_,
-        absl::StrCat("announces ", cloud.num_attributes(), " attributes of ", points, " points"));
-  }
-
-  std::size_t size_;
-  MeshLimits limits_;
-  absl::Status refusal_;
-};
-
 template <typename Decoder>
 absl::Status Decode(std::span<const char> bytes, const MeshLimits& limits, draco::Mesh& mesh) {
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());
   const draco::DecoderOptions options;
-  GuardedDecoder<Decoder> decoder(bytes.size(), limits);
+  io::GuardedDracoDecoder<Decoder> decoder(bytes.size(), limits);
   const draco::Status status = decoder.Decode(options, &buffer, &mesh);
   CCST_RETURN_IF_ERROR(decoder.refusal());
   if (status.ok()) return absl::OkStatus();
