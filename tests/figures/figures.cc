@@ -106,11 +106,22 @@ std::string WhyUnusable(const SampleSet& samples) {
   return "";
 }
 
-std::string Describe(const quality::SamplePair& pair, std::span<const Eigen::Vector3d> positions) {
+bool AreJoined(const quality::SamplePair& pair, std::span<const Eigen::Vector3i> triangles) {
+  return std::any_of(triangles.begin(), triangles.end(), [&pair](const Eigen::Vector3i& t) {
+    return (t.array() == pair.first).any() && (t.array() == pair.second).any();
+  });
+}
+
+std::string Describe(const quality::SamplePair& pair, const SampleSet& samples,
+                     std::span<const Eigen::Vector3d> host_normals) {
   if (pair.first < 0) return "";
-  const Eigen::Vector3d& p = positions[pair.first];
-  return absl::StrFormat("samples %d and %d, %.3g apart near (%.6g, %.6g, %.6g)", pair.first,
-                         pair.second, pair.distance, p.x(), p.y(), p.z());
+  const Eigen::Vector3d& p = samples.positions[pair.first];
+  const double cosine = host_normals[pair.first].dot(host_normals[pair.second]);
+  return absl::StrFormat(
+      "samples %d and %d, %.3g apart near (%.6g, %.6g, %.6g), %s, normals %.0f degrees apart",
+      pair.first, pair.second, pair.distance, p.x(), p.y(), p.z(),
+      AreJoined(pair, samples.triangles) ? "joined" : "not joined",
+      std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / M_PI);
 }
 
 }  // namespace
@@ -169,7 +180,7 @@ Figures MeasureFigures(const TriangleMesh& input, const ReferenceSurface& surfac
   figures.radius = distances.relative_radius;
   figures.radius_same_side = distances.relative_radius_same_side;
   figures.mean_nearest = distances.mean_nearest_distance;
-  figures.closest_pair = Describe(distances.closest_same_side, samples.positions);
+  figures.closest_pair = Describe(distances.closest_same_side, samples, host_normals);
 
   const quality::AngleFigures angles = quality::MeasureAngles(samples.positions, samples.triangles);
   figures.min_angle = angles.smallest;

@@ -15,6 +15,7 @@
 namespace ccst::figures {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -108,7 +109,8 @@ TEST_F(IcosphereFigures, CrowdedPairIsFoundAndNamed) {
   samples_.triangles.emplace_back(t[2], t[0], 642);
   ++count_;
   EXPECT_THAT(Misses(), IsSupersetOf({"cv", "minAngle", "radius"}));
-  EXPECT_THAT(MeasureFigures(mesh_, surface_, samples_).closest_pair, HasSubstr("642"));
+  EXPECT_THAT(MeasureFigures(mesh_, surface_, samples_).closest_pair,
+              AllOf(HasSubstr("642"), HasSubstr(", joined")));
 }
 
 TEST_F(IcosphereFigures, BrokenSampleMeshIsFound) {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -82,6 +83,12 @@ bool SameBits(const ccst::SampleSet& a, const ccst::SampleSet& b) {
          SameBits(a.triangles, b.triangles);
 }
 
+double ThreadCpuSeconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
 Model LoadModel(const std::string& path) {
   Model model;
   absl::StatusOr<ccst::MeshFile> file = ccst::ReadMeshFile(path);
@@ -104,10 +111,12 @@ void Sample(const Model& model, const Options& options, RunRecord& run) {
   if (options.max_iterations) sampling.max_iterations = *options.max_iterations;
   if (options.tolerance) sampling.relative_tolerance = *options.tolerance;
 
+  const double cpu_start = ThreadCpuSeconds();
   const auto start = std::chrono::steady_clock::now();
   const absl::StatusOr<ccst::SamplingResult> result = ccst::SampleSurface(model.mesh, sampling);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   run.wall_seconds = wall.count();
+  run.cpu_seconds = ThreadCpuSeconds() - cpu_start;
   if (!result.ok()) {
     run.error = result.status().ToString();
     return;

@@ -64,6 +64,7 @@ std::vector<Cell> Cells(const RunRecord& run) {
       {"init", 6, number(run.initialise_seconds * 1e3, 0)},
       {"opt", 7, number(run.optimise_seconds * 1e3, 0)},
       {"us/n", 7, number(run.wall_seconds * 1e6 / samples, 1)},
+      {"cpu/n", 7, number(run.cpu_seconds * 1e6 / samples, 1)},
       {"bits", 5,
        !run.bits_checked ? "-"
        : run.bits_equal  ? "same"
@@ -133,6 +134,7 @@ std::string FormatJson(const RunRecord& run) {
   json["alternations"] = run.alternations;
   json["passes"] = run.passes;
   json["seconds"] = {{"wall", run.wall_seconds},
+                     {"cpu", run.cpu_seconds},
                      {"prepare", run.prepare_seconds},
                      {"initialise", run.initialise_seconds},
                      {"optimise", run.optimise_seconds}};

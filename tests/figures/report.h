@@ -23,6 +23,7 @@ struct RunRecord {
   std::int64_t passes = 0;
   Termination termination = Termination::kConverged;
   double wall_seconds = 0.0;  ///< Of the call as a whole.
+  double cpu_seconds = 0.0;   ///< Of the calling thread: what counts on a busy machine.
   double prepare_seconds = 0.0;
   double initialise_seconds = 0.0;
   double optimise_seconds = 0.0;
