@@ -18,7 +18,8 @@ def run(checker, files):
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text)
         answer = subprocess.run(
-            [sys.executable, str(HERE / checker), folder], capture_output=True, text=True, check=False
+            [sys.executable, "-I", "-S", str(HERE / checker), folder],
+            capture_output=True, text=True, check=False,
         )
         return answer.returncode, answer.stdout + answer.stderr
 
