@@ -146,7 +146,7 @@ std::int64_t ReferenceSurface::CountLoopsShorterThan(double length) const {
 }
 
 Figures MeasureFigures(const TriangleMesh& input, const ReferenceSurface& surface,
-                       const SampleSet& samples) {
+                       const SampleSet& samples, double spacing) {
   Figures figures;
   const std::size_t count = samples.positions.size();
   figures.samples = static_cast<std::int64_t>(count);
@@ -192,7 +192,7 @@ Figures MeasureFigures(const TriangleMesh& input, const ReferenceSurface& surfac
       quality::CountTurnedOver(samples.positions, samples.normals, samples.triangles);
 
   const quality::SurfaceDistanceFigures distance = quality::MeasureSurfaceDistance(
-      surface.mesh(), surface.tree(), samples.positions, samples.triangles);
+      surface.mesh(), surface.tree(), samples.positions, samples.triangles, spacing);
   figures.hausdorff = distance.hausdorff / surface.diagonal();
   figures.rms = distance.rms / surface.diagonal();
   return figures;

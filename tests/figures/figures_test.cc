@@ -21,6 +21,9 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::IsSupersetOf;
 
+// Coarse, so that the tests stay quick under sanitizers.
+constexpr double kSpacing = 0.1;
+
 // A sample at every vertex of `mesh`, joined by its faces; normals are those of a sphere.
 SampleSet SampleVertices(const TriangleMesh& mesh) {
   SampleSet samples;
@@ -43,7 +46,7 @@ SampleSet SampleVertices(const TriangleMesh& mesh) {
 class IcosphereFigures : public testing::Test {
  protected:
   std::set<std::string, std::less<>> Misses() const {
-    return FindMisses(MeasureFigures(mesh_, surface_, samples_), surface_, count_, 0);
+    return FindMisses(MeasureFigures(mesh_, surface_, samples_, kSpacing), surface_, count_, 0);
   }
 
   TriangleMesh mesh_ = shapes::Icosphere(3);
@@ -53,7 +56,7 @@ class IcosphereFigures : public testing::Test {
 };
 
 TEST_F(IcosphereFigures, MatchTheirClosedForms) {
-  const Figures figures = MeasureFigures(mesh_, surface_, samples_);
+  const Figures figures = MeasureFigures(mesh_, surface_, samples_, kSpacing);
   EXPECT_EQ(figures.samples, 642);
   EXPECT_LT(figures.max_distance, 1e-15);
   EXPECT_EQ(figures.max_host_error, 0.0);
@@ -109,7 +112,7 @@ TEST_F(IcosphereFigures, CrowdedPairIsFoundAndNamed) {
   samples_.triangles.emplace_back(t[2], t[0], 642);
   ++count_;
   EXPECT_THAT(Misses(), IsSupersetOf({"cv", "minAngle", "radius"}));
-  EXPECT_THAT(MeasureFigures(mesh_, surface_, samples_).closest_pair,
+  EXPECT_THAT(MeasureFigures(mesh_, surface_, samples_, kSpacing).closest_pair,
               AllOf(HasSubstr("642"), HasSubstr(", joined")));
 }
 
@@ -128,7 +131,7 @@ TEST_F(IcosphereFigures, BrokenSampleMeshIsFound) {
 TEST_F(IcosphereFigures, MissingTipShowsInTheHausdorffDistance) {
   // An octahedron on the sphere: 0.42 from it at the middles of its faces.
   const TriangleMesh octahedron = shapes::UvSphere(2, 4);
-  Figures figures = MeasureFigures(octahedron, surface_, SampleVertices(octahedron));
+  Figures figures = MeasureFigures(octahedron, surface_, SampleVertices(octahedron), kSpacing);
   EXPECT_NEAR(figures.hausdorff * surface_.diagonal(), 1.0 - 1.0 / std::sqrt(3.0), 5e-3);
 }
 
@@ -175,7 +178,7 @@ TEST(Floors, OnlyShortLoopsMayBeClosed) {
   const TriangleMesh holed = shapes::SphereWithHole(0.05, 12, 24);
   const ReferenceSurface surface(holed);
   TriangleMesh closed = shapes::Icosphere(2);
-  Figures figures = MeasureFigures(holed, surface, SampleVertices(closed));
+  Figures figures = MeasureFigures(holed, surface, SampleVertices(closed), kSpacing);
   const auto misses = [&](std::int64_t count, std::int64_t closed_loops) {
     return FindMisses(figures, surface, count, closed_loops);
   };

@@ -18,14 +18,15 @@ SurfaceDistanceFigures Distance(const TriangleMesh& surface, const TriangleMesh&
 
 TEST(SurfaceDistance, OfAMeshFromItselfIsZero) {
   const TriangleMesh torus = shapes::Torus(1.0, 0.3, 30, 16);
-  const SurfaceDistanceFigures figures = Distance(torus, torus);
+  const SurfaceDistanceFigures figures = Distance(torus, torus, 0.05);
   EXPECT_LT(figures.hausdorff, 1e-15);
   EXPECT_LT(figures.rms, 1e-15);
 }
 
 TEST(SurfaceDistance, OfParallelPlanesIsTheirDistance) {
   const TriangleMesh plane = shapes::PlaneGrid(1.0, 1.0, 3, 3);
-  const SurfaceDistanceFigures figures = Distance(plane, shapes::Moved(plane, {0.0, 0.0, 0.25}));
+  const SurfaceDistanceFigures figures =
+      Distance(plane, shapes::Moved(plane, {0.0, 0.0, 0.25}), 0.02);
   EXPECT_NEAR(figures.hausdorff, 0.25, 1e-12);
   EXPECT_NEAR(figures.rms, 0.25, 1e-12);
   EXPECT_NEAR(figures.samples_to_surface.rms, 0.25, 1e-12);
@@ -50,26 +51,35 @@ TEST(SurfaceDistance, InteriorOfALargeFaceIsLookedAt) {
   const TriangleMesh surface = shapes::PlaneGrid(3.0, 3.0, 1, 1);
   TriangleMesh samples = shapes::PlaneGrid(3.0, 3.0, 3, 3);
   samples.faces.erase(samples.faces.begin() + 8, samples.faces.begin() + 10);
-  const SurfaceDistanceFigures figures = Distance(surface, samples, 0.01);
-  EXPECT_NEAR(figures.hausdorff, 0.5, 0.01);
+  const SurfaceDistanceFigures figures = Distance(surface, samples, 0.03);
+  EXPECT_NEAR(figures.hausdorff, 0.5, 0.03);
   EXPECT_LE(figures.hausdorff, 0.5 + 1e-12);
 }
 
 TEST(SurfaceDistance, CentresOfSampleTrianglesAreLookedAt) {
   // An octahedron in the unit sphere is farthest at the middles of its faces.
-  const TriangleMesh sphere = shapes::Icosphere(6);
-  const SurfaceDistanceFigures figures = Distance(sphere, shapes::UvSphere(2, 4));
+  const TriangleMesh sphere = shapes::Icosphere(5);
+  const SurfaceDistanceFigures figures = Distance(sphere, shapes::UvSphere(2, 4), 0.05);
   EXPECT_NEAR(figures.samples_to_surface.largest, 1.0 - 1.0 / std::sqrt(3.0), 1e-3);
   EXPECT_NEAR(figures.surface_to_samples.largest, 1.0 - 1.0 / std::sqrt(3.0), 1e-3);
 }
 
 TEST(SurfaceDistance, ScalesWithTheMesh) {
-  const TriangleMesh fine = shapes::Icosphere(4), coarse = shapes::Icosphere(2);
-  const double unit = Distance(fine, coarse).hausdorff;
+  const TriangleMesh fine = shapes::Icosphere(3), coarse = shapes::Icosphere(2);
+  const double unit = Distance(fine, coarse, 0.05).hausdorff;
   const Eigen::Vector3d far(1e4, -2e4, 3e4);
   const double large =
-      Distance(shapes::Moved(fine, far, 100.0), shapes::Moved(coarse, far, 100.0)).hausdorff;
+      Distance(shapes::Moved(fine, far, 100.0), shapes::Moved(coarse, far, 100.0), 5.0).hausdorff;
   EXPECT_NEAR(large, 100.0 * unit, 1e-6);
+}
+
+TEST(SurfaceDistance, DefaultSpacingResolvesALargeFace) {
+  // A tip of height 0.1 over a flat square, 0.02 wide: it has to be met inside one of two faces.
+  TriangleMesh tip = shapes::PlaneGrid(1.0, 1.0, 50, 50);
+  tip.positions[51 * 17 + 23].z() = 0.1;
+  const SurfaceDistanceFigures figures = Distance(shapes::PlaneGrid(1.0, 1.0, 1, 1), tip);
+  EXPECT_NEAR(figures.hausdorff, 0.1, 1e-12);
+  EXPECT_GT(figures.surface_to_samples.largest, 0.01);
 }
 
 TEST(SurfaceDistance, NeedleFacesStayCheap) {
