@@ -17,7 +17,8 @@ struct ServerOptions {
   int threads_per_job = 1;                 ///< >= 1; does not change the samples.
   double drain_timeout_seconds = 30.0;     ///< >= 0; how long running jobs may take to finish.
   LogFormat log_format = LogFormat::kText;
-  RequestLimits request_limits;
+  /// Ten million samples would fit the core, but not the memory of a small machine.
+  RequestLimits request_limits = {.max_sample_count = 2'000'000};
   MeshLimits mesh_limits;  ///< `max_bytes` follows request_limits.max_inline_mesh_bytes.
   RunnerOptions runner;
 

@@ -9,6 +9,8 @@
 namespace ccst::server {
 namespace {
 
+constexpr absl::Duration kLongestWait = absl::Hours(24 * 365 * 10);
+
 absl::Status QueueFull(const std::string& message) {
   return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQueueFull, message);
 }
@@ -90,7 +92,9 @@ bool JobRunner::draining() const {
 }
 
 bool JobRunner::WaitUntilIdle(absl::Duration timeout) {
-  const auto deadline = std::chrono::steady_clock::now() + absl::ToChronoNanoseconds(timeout);
+  // An infinite timeout would overflow the clock.
+  const absl::Duration bounded = std::min(timeout, kLongestWait);
+  const auto deadline = std::chrono::steady_clock::now() + absl::ToChronoNanoseconds(bounded);
   MutexLock lock(mutex_);
   while (!held_.empty() || running_ > 0) {
     if (changed_.wait_until(mutex_, deadline) == std::cv_status::timeout) {
