@@ -17,6 +17,8 @@ constexpr int kMaxHalvings = 4;
 constexpr double kLeastFacing = 0.2;
 /// Longest step in units of the local spacing.
 constexpr double kLongestStep = 0.5;
+/// Neighbours on a boundary loop do not come nearer than this, in units of the local spacing.
+constexpr double kLeastBoundarySpacing = 0.8;
 /// Bounds a triangle's capacity away from zero in the majoriser's gradient.
 constexpr double kLeastCapacity = 0.05;
 
@@ -266,11 +268,16 @@ double GeometryPhase::MoveBoundary(std::int32_t v, Ring* ring) {
   const double nearest =
       std::min((ring->position[0] - s).norm(), (ring->position[ring->neighbours - 1] - s).norm());
   const double longest = std::min(kLongestStep * ring->spacing, 0.4 * nearest);
+  const double least = std::min(nearest, kLeastBoundarySpacing * ring->spacing);
   double step = std::clamp(stretch * wanted, -longest, longest);
   for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, step *= 0.5) {
     double arc = std::fmod(samples_.arc[v] + step + length, length);
     if (!(arc >= 0.0 && arc < length)) arc = 0.0;
     const SurfacePoint point = PointOnLoop(surface_, plan_, loop, arc);
+    if ((ring->position[0] - point.position).norm() < least ||
+        (ring->position[ring->neighbours - 1] - point.position).norm() < least) {
+      continue;
+    }
     const Eigen::Vector3d normal = surface_.NormalAt(point.face, point.weights);
     double energy = 0.0;
     if (!Evaluate(*ring, point.position, normal, &energy)) continue;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -14,7 +15,7 @@
 namespace ccst {
 namespace {
 
-constexpr double kCornerTurn = 40.0 * std::numbers::pi / 180.0;
+constexpr double kCornerTurn = 60.0 * std::numbers::pi / 180.0;
 constexpr std::uint64_t kLoopStream = 0x6c6f6f70;  // "loop"
 
 /// Smallest number of vertices of a triangulated surface of the given kind; for closed surfaces
@@ -49,21 +50,36 @@ void MeasureLoop(const Surface& surface, const BoundaryLoop& loop, LoopPlan* pla
   }
 }
 
-/// Arc lengths of the loop's corners.
-std::vector<double> FindCorners(const Surface& surface, const BoundaryLoop& loop,
-                                const LoopPlan& plan) {
-  std::vector<double> corners;
-  const std::size_t size = loop.half_edges.size();
-  for (std::size_t i = 0; i < size; ++i) {
-    const std::int32_t in = loop.half_edges[(i + size - 1) % size];
-    const std::int32_t out = loop.half_edges[i];
+/// Arc lengths of the loop's corners: vertices at which it turns by more than kCornerTurn between
+/// the chords to half a spacing before and after, so that the zigzag of a scan's rim is none. Of
+/// several nearer than 3/4 of a spacing the sharpest counts.
+std::vector<double> FindCorners(const Surface& surface, const Plan& plan, std::int32_t index,
+                                double side) {
+  const LoopPlan& loop = plan.loops[index];
+  const double reach = std::min(0.5 * side, loop.length / 16.0);
+  const auto wrap = [&](double arc) {
+    return arc < 0.0 ? arc + loop.length : arc >= loop.length ? arc - loop.length : arc;
+  };
+  std::vector<std::pair<double, double>> turns;  // (-turn, arc)
+  for (const double arc : loop.start) {
+    const Eigen::Vector3d here = PointOnLoop(surface, plan, index, arc).position;
     const Eigen::Vector3d before =
-        surface.positions()[surface.Target(in)] - surface.positions()[surface.Origin(in)];
+        here - PointOnLoop(surface, plan, index, wrap(arc - reach)).position;
     const Eigen::Vector3d after =
-        surface.positions()[surface.Target(out)] - surface.positions()[surface.Origin(out)];
+        PointOnLoop(surface, plan, index, wrap(arc + reach)).position - here;
     const double turn = std::atan2(before.cross(after).norm(), before.dot(after));
-    if (turn > kCornerTurn) corners.push_back(plan.start[i]);
+    if (turn > kCornerTurn) turns.emplace_back(-turn, arc);
   }
+  std::sort(turns.begin(), turns.end());
+  std::vector<double> corners;
+  for (const auto& [turn, arc] : turns) {
+    const bool crowded = std::any_of(corners.begin(), corners.end(), [&, at = arc](double other) {
+      const double gap = std::abs(at - other);
+      return std::min(gap, loop.length - gap) < 0.75 * side;
+    });
+    if (!crowded) corners.push_back(arc);
+  }
+  std::sort(corners.begin(), corners.end());
   return corners;
 }
 
@@ -80,18 +96,10 @@ void PlaceOnLoop(const std::vector<double>& corners, double side, double offset,
     }
     return;
   }
-  // Corners nearer than half a spacing cannot all keep a sample.
-  std::vector<double> kept;
-  for (const double corner : corners) {
-    if (kept.empty() ||
-        (corner - kept.back() > 0.5 * side && loop->length - corner + kept.front() > 0.5 * side)) {
-      kept.push_back(corner);
-    }
-  }
-  const auto pieces = static_cast<std::int64_t>(kept.size());
+  const auto pieces = static_cast<std::int64_t>(corners.size());
   for (std::int64_t c = 0; c < pieces; ++c) {
-    const double begin = kept[c];
-    const double end = c + 1 < pieces ? kept[c + 1] : kept[0] + loop->length;
+    const double begin = corners[c];
+    const double end = c + 1 < pieces ? corners[c + 1] : corners[0] + loop->length;
     const std::int64_t least = pieces == 1 ? 3 : pieces == 2 ? 2 : 1;
     const auto count = std::max<std::int64_t>(least, std::llround((end - begin) / side));
     for (std::int64_t i = 0; i < count; ++i) {
@@ -217,7 +225,8 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::u
       std::int64_t total = 0;
       for (const std::size_t l : own) {
         const double offset = CounterRandom(seed, kLoopStream).Uniform(l);
-        PlaceOnLoop(FindCorners(surface, loops[l], plan.loops[l]), side, offset, &plan.loops[l]);
+        PlaceOnLoop(FindCorners(surface, plan, static_cast<std::int32_t>(l), side), side, offset,
+                    &plan.loops[l]);
         total += static_cast<std::int64_t>(plan.loops[l].arcs.size());
       }
       if (total == component.boundary_samples) break;

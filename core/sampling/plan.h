@@ -34,7 +34,7 @@ struct Plan {
 };
 
 /// Shares `count` samples out over components by area (largest remainders) and over boundary
-/// loops by spacing; corners of a loop (turning by more than 40 degrees) get a sample that stays.
+/// loops by spacing; corners of a loop (turning by more than 60 degrees) get a sample that stays.
 /// @errors INVALID_ARGUMENT COUNT_TOO_SMALL naming the smallest count the topology allows.
 absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::uint64_t seed);
 

@@ -10,8 +10,8 @@
 namespace ccst {
 namespace {
 
-/// Cosine of the largest angle between normals of samples on the same side (80 degrees).
-const double kSameSide = std::cos(80.0 * std::numbers::pi / 180.0);
+/// A sample whose total angle is this much below 2 pi holds a tip [rad].
+constexpr double kTipDeficit = 1.3;
 
 double TwiceArea(const Samples& samples, std::int32_t a, std::int32_t b, std::int32_t c) {
   return (samples.position[b] - samples.position[a])
@@ -20,24 +20,63 @@ double TwiceArea(const Samples& samples, std::int32_t a, std::int32_t b, std::in
 }
 
 /// Sum of the areas around `v`, twice.
-double RingArea(const SampleMesh& mesh, const Samples& samples, std::int32_t v, int* triangles) {
+double RingArea(const SampleMesh& mesh, const Samples& samples, std::int32_t v) {
   double area = 0.0;
-  *triangles = 0;
-  mesh.ForEachOutgoing(v, [&](std::int32_t h) {
-    area += TwiceArea(samples, v, mesh.Target(h), mesh.Apex(h));
-    ++*triangles;
-  });
+  mesh.ForEachOutgoing(
+      v, [&](std::int32_t h) { area += TwiceArea(samples, v, mesh.Target(h), mesh.Apex(h)); });
   return area;
 }
 
-/// Spacing of a regular triangulation with the mean triangle area around `v`.
-double LocalSpacing(const SampleMesh& mesh, const Samples& samples, std::int32_t v) {
-  int triangles = 0;
-  const double area = RingArea(mesh, samples, v, &triangles);
-  return std::sqrt(2.0 / std::sqrt(3.0) * area / triangles);
+/// Sum of the angles at `v`; 2 pi where the sample mesh is flat.
+double TotalAngle(const SampleMesh& mesh, const Samples& samples, std::int32_t v) {
+  double sum = 0.0;
+  mesh.ForEachOutgoing(v, [&](std::int32_t h) {
+    const Eigen::Vector3d a = samples.position[mesh.Target(h)] - samples.position[v];
+    const Eigen::Vector3d b = samples.position[mesh.Apex(h)] - samples.position[v];
+    sum += std::atan2(a.cross(b).norm(), a.dot(b));
+  });
+  return sum;
 }
 
-double SmallestCosineSlack(const Samples& samples, std::int32_t a, std::int32_t b, std::int32_t c) {
+/// Normal of a face, twice its area long.
+Eigen::Vector3d FaceCross(const Surface& surface, std::int32_t face) {
+  const Eigen::Vector3i& corner = surface.faces()[face];
+  return (surface.positions()[corner[1]] - surface.positions()[corner[0]])
+      .cross(surface.positions()[corner[2]] - surface.positions()[corner[0]]);
+}
+
+/// Vertices up to a number of edges away.
+class Neighbourhood {
+ public:
+  explicit Neighbourhood(const SampleMesh& mesh) : mesh_(mesh), seen_(mesh.vertex_count(), -1) {}
+
+  const std::vector<std::int32_t>& Of(std::int32_t v, int reach) {
+    found_.assign(1, v);
+    seen_[v] = v;
+    std::size_t begin = 0;
+    for (int step = 0; step < reach; ++step) {
+      const std::size_t end = found_.size();
+      for (; begin < end; ++begin) {
+        mesh_.ForEachOutgoing(found_[begin], [&](std::int32_t h) {
+          for (const std::int32_t u : {mesh_.Target(h), mesh_.Apex(h)}) {
+            if (seen_[u] == v) continue;
+            seen_[u] = v;
+            found_.push_back(u);
+          }
+        });
+      }
+    }
+    return found_;
+  }
+
+ private:
+  const SampleMesh& mesh_;
+  std::vector<std::int32_t> seen_;
+  std::vector<std::int32_t> found_;
+};
+
+/// Cosine of the smallest angle of triangle (a, b, c).
+double SmallestAngleCosine(const Samples& samples, std::int32_t a, std::int32_t b, std::int32_t c) {
   const Eigen::Vector3d ab = (samples.position[b] - samples.position[a]).normalized();
   const Eigen::Vector3d bc = (samples.position[c] - samples.position[b]).normalized();
   const Eigen::Vector3d ca = (samples.position[a] - samples.position[c]).normalized();
@@ -46,23 +85,26 @@ double SmallestCosineSlack(const Samples& samples, std::int32_t a, std::int32_t 
 
 }  // namespace
 
-std::vector<std::int32_t> FindDefects(const SampleMesh& mesh, const Samples& samples,
+std::vector<std::int32_t> FindDefects(const Surface& surface, const Plan& plan,
+                                      const SampleMesh& mesh, const Samples& samples,
                                       const DefectLimits& limits) {
   std::vector<std::int32_t> found;
   const auto movable = [&](std::int32_t v) {
     return samples.kind[v] == SampleMesh::Kind::kInterior;
   };
-  // Of several samples, the one with the least room.
+  const auto holds_tip = [&](std::int32_t v) {
+    return TotalAngle(mesh, samples, v) < 2.0 * std::numbers::pi - kTipDeficit;
+  };
+  // Of several samples, the one with the least room; one that holds a tip only for want of another.
   const auto blame = [&](std::initializer_list<std::int32_t> candidates) {
     std::int32_t worst = -1;
-    double least = 0.0;
+    std::pair<bool, double> least;
     for (const std::int32_t v : candidates) {
       if (!movable(v)) continue;
-      int triangles = 0;
-      const double area = RingArea(mesh, samples, v, &triangles);
-      if (worst < 0 || area < least) {
+      const std::pair<bool, double> room(holds_tip(v), RingArea(mesh, samples, v));
+      if (worst < 0 || room < least) {
         worst = v;
-        least = area;
+        least = room;
       }
     }
     if (worst >= 0) found.push_back(worst);
@@ -73,20 +115,40 @@ std::vector<std::int32_t> FindDefects(const SampleMesh& mesh, const Samples& sam
     const std::int32_t b = mesh.origin[3 * t + 1];
     const std::int32_t c = mesh.origin[3 * t + 2];
     if (Facing(samples.position, samples.normal, a, b, c) < limits.least_facing ||
-        (limits.least_angle > 0.0 && SmallestCosineSlack(samples, a, b, c) > cosine)) {
+        (limits.least_angle > 0.0 && SmallestAngleCosine(samples, a, b, c) > cosine)) {
       blame({a, b, c});
     }
   }
-  const auto crowded = [&](std::int32_t c, std::int32_t d) {
-    if (c == d || samples.normal[c].dot(samples.normal[d]) < kSameSide) return;
-    const double distance = (samples.position[c] - samples.position[d]).norm();
-    const double spacing = std::min(LocalSpacing(mesh, samples, c), LocalSpacing(mesh, samples, d));
-    if (distance < limits.least_separation * spacing) blame({c, d});
+  std::vector<double> separation;  // Per component, squared.
+  for (const ComponentPlan& component : plan.components) {
+    const double spacing = std::sqrt(4.0 / std::sqrt(3.0) * component.target);
+    separation.push_back(std::pow(limits.least_separation * spacing, 2));
+  }
+  const auto check_pair = [&](std::int32_t c, std::int32_t d) {
+    if ((samples.position[c] - samples.position[d]).squaredNorm() <
+            separation[samples.component[c]] &&
+        FaceCross(surface, samples.face[c]).dot(FaceCross(surface, samples.face[d])) > 0.0) {
+      blame({c, d});
+    }
   };
-  for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh.origin.size()); ++h) {
-    const std::int32_t g = mesh.twin[h];
-    if (g < h) continue;
-    crowded(mesh.Apex(h), mesh.Apex(g));
+  if (limits.reach == 0) {
+    for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh.origin.size()); ++h) {
+      if (mesh.twin[h] > h) check_pair(mesh.Apex(h), mesh.Apex(mesh.twin[h]));
+    }
+  } else {
+    Neighbourhood near(mesh);
+    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+      for (const std::int32_t u : near.Of(v, limits.reach)) {
+        if (u > v) check_pair(v, u);
+      }
+    }
+  }
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    if (!movable(v)) continue;
+    const std::int32_t degree = mesh.Degree(v);
+    if (degree >= 5 && degree <= 7) continue;
+    const double regular = TotalAngle(mesh, samples, v) * 3.0 / std::numbers::pi;
+    if (std::abs(degree - regular) > limits.most_excess) found.push_back(v);
   }
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
@@ -113,7 +175,7 @@ std::int64_t Relocate(const std::vector<std::int32_t>& crowded, const Surface& s
   for (std::int32_t t = 0; t < mesh->triangle_count(); ++t) {
     destinations.emplace_back(-geometry->Capacity(t), t);
   }
-  const std::size_t wanted = std::min(destinations.size(), 8 * crowded.size() + 64);
+  const std::size_t wanted = std::min(destinations.size(), 16 * crowded.size() + 256);
   std::partial_sort(destinations.begin(), destinations.begin() + wanted, destinations.end());
   destinations.resize(wanted);
 
@@ -127,6 +189,13 @@ std::int64_t Relocate(const std::vector<std::int32_t>& crowded, const Surface& s
       const auto corner = [&](int k) { return mesh->origin[3 * t + k]; };
       if (corner(0) < 0 || busy[corner(0)] || busy[corner(1)] || busy[corner(2)]) continue;
       if (samples->component[corner(0)] != samples->component[v]) continue;
+      // A large triangle at a boundary, a tip or a crease may have no room for another sample.
+      if (Facing(samples->position, samples->normal, corner(0), corner(1), corner(2)) < 0.9 ||
+          samples->kind[corner(0)] != SampleMesh::Kind::kInterior ||
+          samples->kind[corner(1)] != SampleMesh::Kind::kInterior ||
+          samples->kind[corner(2)] != SampleMesh::Kind::kInterior) {
+        continue;
+      }
       destination = t;
     }
     if (destination < 0) break;
@@ -145,7 +214,7 @@ std::int64_t Relocate(const std::vector<std::int32_t>& crowded, const Surface& s
         const std::int32_t b = mesh->Target(e);
         const std::int32_t c = mesh->Apex(e);
         worst = std::min(worst, Facing(samples->position, samples->normal, w, b, c) *
-                                    (1.0 - SmallestCosineSlack(*samples, w, b, c)));
+                                    (1.0 - SmallestAngleCosine(*samples, w, b, c)));
       }
       if (worst > best && mesh->CanCollapse(h)) {
         best = worst;
