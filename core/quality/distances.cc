@@ -66,7 +66,7 @@ std::vector<Eigen::Vector3d> Images(const Eigen::Vector3d& box) {
     const std::size_t count = images.size();
     for (std::size_t i = 0; i < count; ++i) {
       for (const double sign : {-1.0, 1.0}) {
-        images.push_back(images[i] + sign * box[axis] * Eigen::Vector3d::Unit(axis));
+        images.emplace_back(images[i] + sign * box[axis] * Eigen::Vector3d::Unit(axis));
       }
     }
   }

@@ -14,7 +14,8 @@ namespace ccst::figures {
 /// A surface prepared to be judged against. Built without any code of the sampler.
 class ReferenceSurface {
  public:
-  /// @param input  as given to the sampler: indices in range, finite coordinates, some area.
+  /// @param input  as given to the sampler: indices in range, coordinates finite and of a size
+  ///               whose square does not overflow, some area.
   explicit ReferenceSurface(const TriangleMesh& input);
 
   /// The faces of the input in their order, vertices of equal position merged and those of no
