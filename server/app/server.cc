@@ -131,8 +131,9 @@ void Server::SetServing(bool serving) {
 
 void Server::Drain() {
   log_.Message("draining");
-  SetServing(false);
+  // In this order: who reads NOT_SERVING finds new jobs refused.
   runner_.StartDraining();
+  SetServing(false);
   if (!runner_.WaitUntilIdle(absl::Seconds(options_.drain_timeout_seconds))) {
     log_.Message("drain timeout passed, stopping jobs");
     runner_.StopAll();

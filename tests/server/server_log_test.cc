@@ -1,0 +1,48 @@
+#include "server/rpc/server_log.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace ccst::server {
+namespace {
+
+RequestRecord Record() {
+  RequestRecord record;
+  record.method = "Sample";
+  record.job = "jobs/1";
+  record.code = "OK";
+  record.seconds = 0.25;
+  record.samples_requested = 5;
+  record.samples_sent = 5;
+  return record;
+}
+
+std::string LineOf(LogFormat format, const RequestRecord& record) {
+  std::string written;
+  ServerLog log(
+      format, [] { return absl::UnixEpoch(); }, [&](const std::string& line) { written += line; });
+  log.Request(record);
+  return written;
+}
+
+TEST(ServerLogFormat, TextIsOneReadableLine) {
+  EXPECT_EQ(LineOf(LogFormat::kText, Record()),
+            "1970-01-01T00:00:00.000Z Sample OK 250.0 ms jobs/1 request_bytes=0 samples=5/5 "
+            "messages=0");
+}
+
+TEST(ServerLogFormat, JsonIsOneObject) {
+  RequestRecord record = Record();
+  record.reason = "A \"quoted\"\nreason";
+  const std::string line = LineOf(LogFormat::kJson, record);
+  EXPECT_EQ(line.find('\n'), std::string::npos);
+  const auto json = nlohmann::json::parse(line);
+  EXPECT_EQ(json["method"], "Sample");
+  EXPECT_EQ(json["reason"], record.reason);
+  EXPECT_EQ(json["seconds"], 0.25);
+}
+
+}  // namespace
+}  // namespace ccst::server
