@@ -9,6 +9,7 @@
 #include "core/io/draco_header.h"
 #include "core/io/draco_mesh.h"
 #include "core/io/io_errors.h"
+#include "core/io/unused_vertices.h"
 #include "draco/compression/expert_encode.h"
 #include "draco/core/encoder_buffer.h"
 #include "draco/mesh/mesh.h"
@@ -16,7 +17,8 @@
 namespace ccst {
 namespace {
 
-constexpr int kMaxQuantizationBits = 30;
+// As many as a float holds; beyond, the encoder takes seconds and gigabytes for nothing.
+constexpr int kMaxQuantizationBits = 24;
 // Bytes a face that decoders want to see behind a sequential header, compressed or not.
 constexpr std::int64_t kDecoderBytesPerFace = 3;
 
@@ -90,7 +92,10 @@ absl::StatusOr<std::string> Encode(const draco::Mesh& mesh, std::optional<int> q
 absl::StatusOr<std::string> EncodeDraco(const TriangleMesh& mesh,
                                         std::optional<int> quantization_bits) {
   CCST_RETURN_IF_ERROR(Validate(mesh, quantization_bits));
-  CCST_ASSIGN_OR_RETURN(const std::unique_ptr<draco::Mesh> draco_mesh, ToDraco(mesh));
+  CCST_ASSIGN_OR_RETURN(const std::unique_ptr<draco::Mesh> draco_mesh,
+                        mesh.positions.size() > 3 * mesh.faces.size()
+                            ? ToDraco(io::WithoutExcessVertices(mesh))
+                            : ToDraco(mesh));
   CCST_ASSIGN_OR_RETURN(std::string stream, Encode(*draco_mesh, quantization_bits, true));
   // Decoders refuse a sequential stream with fewer than three bytes a face to come, although
   // compressed indices and quantised positions can do with less. Bytes behind the mesh are

@@ -237,6 +237,7 @@ absl::Status CheckDracoCounts(const DracoHeader& header, std::size_t size,
     return OverLimit(absl::StrCat("byte ", header.counts_offset, ": announces ", header.points,
                                   " vertices; at most ", limits.max_vertices, " are accepted"));
   }
+  if (header.points > 3 * header.faces) return Impossible(header, "more than there are corners");
   const auto left = static_cast<std::int64_t>(size - header.data_offset);
   std::int64_t needed = header.faces * kBytesPerFace + header.points * kBytesPerVertex;
   if (header.method == DracoMethod::kSequential) {
@@ -248,7 +249,6 @@ absl::Status CheckDracoCounts(const DracoHeader& header, std::size_t size,
                                              " bytes left hold at most ", left / per_face));
     }
   } else {
-    if (header.points > 3 * header.faces) return Impossible(header, "more than there are corners");
     if (header.symbols > header.faces || header.faces > header.symbols + header.symbols / 3 ||
         header.split_symbols > header.symbols) {
       return Impossible(

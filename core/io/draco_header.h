@@ -41,9 +41,10 @@ absl::StatusOr<DracoHeader> ReadDracoHeader(std::span<const char> bytes);
 /// Refuses a stream of `size` bytes whose counts are over the limits, contradict each other, or
 /// cannot be held by the bytes that follow.
 ///
-/// Three bounds are exact: a raw index takes as many bytes as the number of points asks for;
-/// the standard Edgebreaker traversal takes a bit a symbol, and there are at most 4/3 faces a
-/// symbol; the decoder itself wants 3 bytes a face of a sequential stream. The other methods
+/// Some bounds are exact: a raw index takes as many bytes as the number of points asks for; the
+/// standard Edgebreaker traversal takes a bit a symbol, and there are at most 4/3 faces a symbol;
+/// the decoder itself wants 3 bytes a face of a sequential stream, and no more points than
+/// corners. The other methods
 /// code a constant run in no bits at all, so that no count is impossible; for them what the
 /// decoder would allocate is bounded by DracoMemoryBudget.
 /// @errors INVALID_ARGUMENT  DRACO_DECODE_FAILED | LIMIT_EXCEEDED | MESH_EMPTY

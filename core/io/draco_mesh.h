@@ -27,9 +27,9 @@ absl::StatusOr<TriangleMesh> DecodeDraco(std::span<const char> bytes,
 /// place (sequential encoding). Without quantisation positions are exactly the 32-bit floats
 /// nearest to the doubles given.
 ///
-/// The bitstream cannot hold more vertices than corners: when there are more, those of no face
-/// are left out, and the others keep their order.
-/// @param quantization_bits  bits per coordinate of the bounding box's longest side, in [1, 30]
+/// Decoders refuse more vertices than corners: when there are more, those of no face are left
+/// out, and the others keep their order.
+/// @param quantization_bits  bits per coordinate of the bounding box's longest side, in [1, 24]
 /// @errors INVALID_ARGUMENT  MESH_EMPTY no face; MESH_DEGENERATE an index out of range, a
 ///                           coordinate that is no finite float; OPTION_INVALID bits out of range
 absl::StatusOr<std::string> EncodeDraco(const TriangleMesh& mesh,
@@ -42,7 +42,8 @@ absl::StatusOr<std::string> EncodeDraco(const TriangleMesh& mesh,
 Eigen::Vector3d ChooseOrigin(const TriangleMesh& mesh);
 
 /// The mesh that DecodeDraco returns for EncodeDraco(`mesh` moved by -`origin`): positions
-/// relative to `origin`, rounded to 32-bit floats; the same faces. What a run computes on.
+/// relative to `origin`, rounded to 32-bit floats; the same faces in the same order. What a run
+/// computes on. Indices must be in range.
 /// @errors INVALID_ARGUMENT  MESH_DEGENERATE a coordinate that is no finite float (says which),
 ///                           or a mesh so small that floats would flatten it
 absl::StatusOr<TriangleMesh> ToWirePrecision(const TriangleMesh& mesh,

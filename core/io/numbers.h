@@ -25,6 +25,13 @@ void AppendInteger(std::string& out, std::int64_t value);
 /// `token` fit for an error message: cut, quoted, unprintable bytes replaced.
 std::string Quoted(std::string_view token);
 
+/// The 32-bit float nearest to `value`. GCC 12 drops a conversion to float and back where it
+/// vectorises both, at -O2 and -O3; that it is stored in between keeps it.
+inline double RoundedToFloat(double value) {
+  const volatile float rounded = static_cast<float>(value);
+  return rounded;
+}
+
 /// Appends the bytes of `value`, least significant first.
 template <typename T>
 void AppendLittleEndian(std::string& out, T value) {

@@ -1,11 +1,14 @@
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Geometry>
 
 #include "absl/strings/str_cat.h"
 #include "core/io/draco_mesh.h"
 #include "core/io/io_errors.h"
+#include "core/io/numbers.h"
+#include "core/io/unused_vertices.h"
 
 namespace ccst {
 namespace {
@@ -46,13 +49,14 @@ absl::StatusOr<TriangleMesh> ToWirePrecision(const TriangleMesh& mesh,
   TriangleMesh result;
   result.positions.reserve(mesh.positions.size());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    const Eigen::Vector3f position = (mesh.positions[i] - origin).cast<float>();
+    Eigen::Vector3d position = mesh.positions[i] - origin;
+    for (double& coordinate : position) coordinate = io::RoundedToFloat(coordinate);
     if (!position.allFinite()) {
       return io::Degenerate(absl::StrCat(
           "vertex ", i, " (counted from 0) has a coordinate that is no finite 32-bit float (at ",
           "most 3.4e38); scale the mesh down"));
     }
-    result.positions.push_back(position.cast<double>());
+    result.positions.push_back(position);
   }
   // Below the smallest normal float the grid of floats is as coarse as the mesh.
   const double diagonal = Diagonal(BoundingBox(mesh));
@@ -61,7 +65,7 @@ absl::StatusOr<TriangleMesh> ToWirePrecision(const TriangleMesh& mesh,
                                        "; 32-bit floats need at least 1.2e-38; scale the mesh up"));
   }
   result.faces = mesh.faces;
-  return result;
+  return io::WithoutExcessVertices(std::move(result));
 }
 
 }  // namespace ccst

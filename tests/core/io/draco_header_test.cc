@@ -143,7 +143,7 @@ TEST(DracoCounts, RawIndicesTakeTheirBytes) {
   for (const auto& [points, bytes] : cases) {
     const MeshLimits limits = {.max_decoded_bytes = std::int64_t{1} << 40};
     // Large enough for the memory budget to be out of the way.
-    const std::int64_t faces = 100000;
+    const std::int64_t faces = 1'000'000;
     const auto header = Sequential(faces, points, false);
     EXPECT_TRUE(CheckDracoCounts(header, static_cast<std::size_t>(faces) * bytes, limits).ok());
     EXPECT_REFUSED(CheckDracoCounts(header, static_cast<std::size_t>(faces) * bytes - 1, limits),

@@ -78,7 +78,8 @@ TEST(DracoHostile, ManySeamConnectivitiesAreCounted) {
 
 TEST(DracoHostile, WideAttributesAreRefusedBeforeTheirValues) {
   constexpr int kAttributes = 100;
-  std::string bytes = SequentialClaim(1, 400'000, false) + std::string("\0\1\2", 3);
+  constexpr std::size_t kFaces = 140'000;
+  std::string bytes = SequentialClaim(kFaces, 400'000, false) + std::string(3 * kFaces, '\0');
   bytes += '\1';                 // One decoder...
   bytes += Varint(kAttributes);  // ... of this many attributes,
   for (int i = 0; i < kAttributes; ++i) {

@@ -1,10 +1,12 @@
 #include "core/io/numbers.h"
 
+#include <array>
 #include <clocale>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -71,6 +73,28 @@ TEST(Numbers, BytesInEitherOrder) {
   EXPECT_EQ(bytes, std::string("\x04\x03\x02\x01"));
   EXPECT_EQ(LoadBytes<std::uint32_t>(bytes.data(), std::endian::little), 0x01020304u);
   EXPECT_EQ(LoadBytes<std::uint32_t>(bytes.data(), std::endian::big), 0x04030201u);
+}
+
+TEST(Numbers, RoundingToFloatRoundsWhereverItIsInlined) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1e7, 1e7);
+  std::vector<std::array<double, 3>> values(1000);
+  for (auto& vector : values) {
+    for (double& value : vector) value = uniform(random);
+  }
+  auto rounded = values;
+  for (auto& vector : rounded) {
+    for (double& value : vector) value = RoundedToFloat(value);
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      // Floats have 24 bits: the 29 others of a double are zero.
+      std::uint64_t bits;
+      std::memcpy(&bits, &rounded[i][k], sizeof(bits));
+      EXPECT_EQ(bits & ((std::uint64_t{1} << 29) - 1), 0u);
+      EXPECT_LE(std::abs(rounded[i][k] - values[i][k]), 0.5);
+    }
+  }
 }
 
 TEST(Numbers, QuotedTextIsShortAndPrintable) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "core/io/mesh_file.h"

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/io/draco_mesh.h"
+#include "core/io/numbers.h"
 #include "tests/core/io/io_test_util.h"
 #include "tests/support/shapes.h"
 
@@ -39,7 +40,7 @@ TEST(ChooseOrigin, MovingFloatsByItRoundsNothing) {
     TriangleMesh mesh =
         shapes::Moved(testing::WithOddCoordinates(shapes::Icosphere(0)), offset, scale);
     for (Eigen::Vector3d& position : mesh.positions) {
-      position = position.cast<float>().cast<double>();
+      for (double& coordinate : position) coordinate = io::RoundedToFloat(coordinate);
     }
     const Eigen::Vector3d origin = ChooseOrigin(mesh);
     const auto wire = ToWirePrecision(mesh, origin);
