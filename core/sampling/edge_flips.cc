@@ -77,7 +77,7 @@ std::int64_t EdgeFlips::Drain() {
 std::int64_t EdgeFlips::FlipAll() {
   std::int64_t flips = 0;
   for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh_.origin.size()); ++h) {
-    if (mesh_.origin[h] < 0 || h > mesh_.twin[h]) continue;
+    if (mesh_.origin[h] < 0 || mesh_.twin[h] < h) continue;
     Push(h);
     flips += Drain();
   }
@@ -94,8 +94,15 @@ std::int64_t EdgeFlips::FlipAround(std::int32_t v) {
 
 std::int64_t EdgeFlips::FlipAround(const std::vector<std::uint8_t>& flags) {
   std::int64_t flips = 0;
-  for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) {
-    if (flags[v]) flips += FlipAround(v);
+  for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh_.origin.size()); ++h) {
+    const std::int32_t g = mesh_.twin[h];
+    if (g < h || mesh_.origin[h] < 0) continue;
+    if (!(flags[mesh_.origin[h]] | flags[mesh_.origin[g]] | flags[mesh_.Apex(h)] |
+          flags[mesh_.Apex(g)])) {
+      continue;
+    }
+    Push(h);
+    flips += Drain();
   }
   return flips;
 }

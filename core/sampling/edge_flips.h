@@ -26,7 +26,7 @@ class EdgeFlips {
   /// The same, starting from the triangles around `v` only.
   std::int64_t FlipAround(std::int32_t v);
 
-  /// The same, starting from the edges around the vertices with a non-zero flag.
+  /// The same, starting from the edges whose two triangles have a vertex with a non-zero flag.
   std::int64_t FlipAround(const std::vector<std::uint8_t>& flags);
 
   /// Vertices of flipped triangles since the last clear; may repeat.

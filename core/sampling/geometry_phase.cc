@@ -22,6 +22,19 @@ constexpr double kLeastBoundarySpacing = 0.8;
 /// Bounds a triangle's capacity away from zero in the majoriser's gradient.
 constexpr double kLeastCapacity = 0.05;
 
+/// Square of the cosine between `cross` and `up`, with its sign; -1 where either vanishes.
+double SignedFacing(const Eigen::Vector3d& cross, const Eigen::Vector3d& up) {
+  const double dot = cross.dot(up);
+  const double scale = cross.squaredNorm() * up.squaredNorm();
+  return scale > 0.0 ? dot * std::abs(dot) / scale : -1.0;
+}
+
+bool FacesEnough(const Eigen::Vector3d& cross, const Eigen::Vector3d& up) {
+  const double dot = cross.dot(up);
+  return dot > 0.0 &&
+         dot * dot > kLeastFacing * kLeastFacing * cross.squaredNorm() * up.squaredNorm();
+}
+
 }  // namespace
 
 /// The neighbours of one vertex, counter-clockwise, and what the update needs of them.
@@ -30,7 +43,7 @@ struct GeometryPhase::Ring {
   int triangles = 0;   ///< As many as neighbours, or one less on the boundary.
   double scale = 0.0;  ///< c = scale * |cross product|.
   double energy = 0.0;
-  double least_facing = 0.0;
+  double least_facing = 0.0;  ///< SignedFacing() of the worst triangle that does not face enough.
   double spacing = 0.0;
   std::array<std::int32_t, kMaxRing> vertex;
   std::array<Eigen::Vector3d, kMaxRing> position;
@@ -54,11 +67,7 @@ void GeometryPhase::Activate(std::int32_t v) {
   });
 }
 
-void GeometryPhase::ActivateAll() { std::fill(next_.begin(), next_.end(), std::uint8_t{1}); }
-
-std::int64_t GeometryPhase::ActiveCount() const {
-  return std::count(next_.begin(), next_.end(), std::uint8_t{1});
-}
+void GeometryPhase::DeactivateAll() { std::fill(next_.begin(), next_.end(), std::uint8_t{0}); }
 
 void GeometryPhase::ClearMoved() { std::fill(moved_.begin(), moved_.end(), std::uint8_t{0}); }
 
@@ -69,16 +78,7 @@ double GeometryPhase::Capacity(std::int32_t t) const {
   return 0.5 * scale_[samples_.component[mesh_.origin[3 * t]]] * (b - a).cross(c - a).norm();
 }
 
-double GeometryPhase::MeanEnergy() const {
-  double sum = 0.0;
-  for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
-    const double c = Capacity(t);
-    sum += energy_ == Energy::kTarget ? (c - 1.0) * (c - 1.0) : c * c;
-  }
-  return sum / mesh_.triangle_count();
-}
-
-double GeometryPhase::CapacityCv() const {
+GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
   double sum = 0.0;
   double squares = 0.0;
   for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
@@ -87,8 +87,11 @@ double GeometryPhase::CapacityCv() const {
     squares += c * c;
   }
   const double mean = sum / mesh_.triangle_count();
-  const double variance = squares / mesh_.triangle_count() - mean * mean;
-  return mean > 0.0 ? std::sqrt(std::max(0.0, variance)) / mean : 0.0;
+  const double square = squares / mesh_.triangle_count();
+  Spread spread;
+  spread.energy = energy_ == Energy::kTarget ? square - 2.0 * mean + 1.0 : square;
+  spread.cv = mean > 0.0 ? std::sqrt(std::max(0.0, square - mean * mean)) / mean : 0.0;
+  return spread;
 }
 
 bool GeometryPhase::Gather(std::int32_t v, Ring* ring) const {
@@ -130,9 +133,7 @@ bool GeometryPhase::Evaluate(const Ring& ring, const Eigen::Vector3d& position,
     const Eigen::Vector3d cross = (ring.position[i] - position).cross(ring.position[j] - position);
     const double length = cross.norm();
     const Eigen::Vector3d up = normal + ring.normal[i] + ring.normal[j];
-    const double facing = cross.dot(up);
-    const double unit = length * up.norm();
-    if (facing < kLeastFacing * unit && facing <= ring.least_facing * unit) return false;
+    if (!FacesEnough(cross, up) && SignedFacing(cross, up) <= ring.least_facing) return false;
     const double c = ring.scale * length;
     sum += energy_ == Energy::kTarget ? (c - 1.0) * (c - 1.0) : c * c;
     if (sum > ring.energy) return false;
@@ -207,7 +208,7 @@ double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring) {
     u = (-g1 * h22 + g2 * h12) / determinant;
     w = (-g2 * h11 + g1 * h12) / determinant;
   }
-  const double size = std::hypot(u, w);
+  const double size = std::sqrt(u * u + w * w);
   // Below this the move would count as rest however it ended.
   if (!(size > 0.1 * rest * ring->spacing)) return 0.0;
   double factor = std::min(stretch, kLongestStep * ring->spacing / size);

@@ -34,9 +34,7 @@ class GeometryPhase {
 
   /// Marks `v` and its neighbours for the next pass.
   void Activate(std::int32_t v);
-  void ActivateAll();
-  /// Vertices the next pass visits.
-  std::int64_t ActiveCount() const;
+  void DeactivateAll();
 
   /// Vertices that moved since the last call of ClearMoved().
   const std::vector<std::uint8_t>& moved() const { return moved_; }
@@ -44,13 +42,15 @@ class GeometryPhase {
 
   /// c_t = C_t / C* of triangle `t`.
   double Capacity(std::int32_t t) const;
-  /// Mean of (c_t - 1)^2, or of c_t^2 for Energy::kSquaredArea.
-  double MeanEnergy() const;
-  /// Standard deviation over mean of the capacities.
-  double CapacityCv() const;
+  /// How the capacities c_t are spread.
+  struct Spread {
+    double energy = 0.0;  ///< Mean of (c_t - 1)^2, or of c_t^2 for Energy::kSquaredArea.
+    double cv = 0.0;      ///< Standard deviation over mean.
+  };
+  Spread MeasureCapacities() const;
 
   /// Largest move that still counts as rest, in units of the local spacing.
-  double rest = 0.003;
+  double rest = 0.006;
   /// Factor on the Newton step.
   double stretch = 1.5;
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/sampling/coverage.h"
 #include "core/sampling/edge_flips.h"
 #include "core/sampling/geometry_phase.h"
 #include "core/sampling/relocation.h"
@@ -18,17 +19,34 @@ namespace {
 constexpr int kEarlyAlternations = 8;
 constexpr DefectLimits kEarlyLimits = {};
 
-/// Afterwards it mends what is left: every few alternations while the rest settles too, and then
-/// whenever the capacities have converged, as long as that leaves fewer defects.
-constexpr int kLastRegularMend = 26;
-constexpr int kMendInterval = 4;
+/// Afterwards it mends what is left: twice while the rest settles too, and then whenever the
+/// capacities have converged, as long as that leaves fewer defects.
+constexpr int kFirstMend = 10;
+constexpr int kSecondMend = 18;
 constexpr int kMaxFinalMends = 16;
 constexpr int kMaxFailedMends = 4;
-constexpr DefectLimits kFinalLimits = {.least_facing = 0.1,
-                                       .least_separation = 0.66,
+constexpr DefectLimits kMendLimits = {.least_facing = 0.2,
+                                      .least_separation = 0.66,
+                                      .least_angle = 27.0 * std::numbers::pi / 180.0,
+                                      .most_excess = 0.9};
+
+constexpr DefectLimits kFinalLimits = {.least_facing = kMendLimits.least_facing,
+                                       .least_separation = kMendLimits.least_separation,
                                        .reach = 3,
-                                       .least_angle = 27.0 * std::numbers::pi / 180.0,
-                                       .most_excess = 0.9};
+                                       .least_angle = kMendLimits.least_angle,
+                                       .most_excess = kMendLimits.most_excess};
+
+/// What a result may not keep as long as there is a choice: one such defect outweighs a hundred of
+/// the others.
+constexpr DefectLimits kGraveLimits = {
+    .least_facing = 0.1, .least_separation = 0.63, .least_angle = 25.5 * std::numbers::pi / 180.0};
+constexpr std::size_t kGraveWeight = 100;
+
+/// Moves that count as rest while the surroundings of relocated samples settle, in spacings.
+constexpr double kMendRest = 0.01;
+
+/// Distance of the surface from the sample mesh that calls for a sample there, in spacings.
+constexpr double kUncovered = 0.9;
 
 /// Improvement is judged over this many alternations: single ones are noisy after flips.
 constexpr int kWindow = 5;
@@ -42,12 +60,14 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
   RelaxationReport result;
   GeometryPhase geometry(&surface, &plan, options.energy, mesh, samples);
   EdgeFlips flips(mesh, &samples->position, &samples->normal);
+  const Coverage coverage(&surface, &plan);
 
   AlternationReport state;
   state.alternation_limit = options.max_iterations;
   const auto measure = [&] {
-    result.energy = state.energy = geometry.MeanEnergy();
-    result.capacity_cv = state.capacity_cv = geometry.CapacityCv();
+    const GeometryPhase::Spread spread = geometry.MeasureCapacities();
+    result.energy = state.energy = spread.energy;
+    result.capacity_cv = state.capacity_cv = spread.cv;
     state.positions = samples->position;
     report(state);
   };
@@ -69,11 +89,36 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
     if (best.defects != std::numeric_limits<std::size_t>::max()) {
       *mesh = std::move(best.mesh);
       *samples = std::move(best.samples);
-      result.energy = geometry.MeanEnergy();
-      result.capacity_cv = geometry.CapacityCv();
+      const GeometryPhase::Spread spread = geometry.MeasureCapacities();
+      result.energy = spread.energy;
+      result.capacity_cv = spread.cv;
     }
     result.termination = termination;
     return result;
+  };
+
+  const std::vector<std::uint8_t> everywhere(samples->count(), 1);
+  std::vector<std::uint8_t> changed = everywhere;  // Since the last look for defects.
+  std::vector<Defect> defects;
+  const auto update_defects = [&] {
+    std::erase_if(defects, [&](const Defect& d) { return changed[d.sample] != 0; });
+    const std::vector<Defect> fresh =
+        FindDefects(surface, plan, *mesh, *samples, kFinalLimits, kGraveLimits, changed);
+    defects.insert(defects.end(), fresh.begin(), fresh.end());
+    std::sort(defects.begin(), defects.end(), [](const Defect& a, const Defect& b) {
+      return a.sample != b.sample ? a.sample < b.sample : a.grave > b.grave;
+    });
+    const auto same = [](const Defect& a, const Defect& b) { return a.sample == b.sample; };
+    defects.erase(std::unique(defects.begin(), defects.end(), same), defects.end());
+    std::fill(changed.begin(), changed.end(), std::uint8_t{0});
+  };
+  const auto find_everywhere = [&](const DefectLimits& limits) {
+    return FindDefects(surface, plan, *mesh, *samples, limits, limits, everywhere);
+  };
+  const auto relocate = [&](const std::vector<Defect>& crowded,
+                            const std::vector<UncoveredPlace>& uncovered) {
+    state.relocations = Relocate(crowded, uncovered, surface, &geometry, &flips, mesh, samples);
+    if (state.relocations > 0) history.clear();
   };
 
   int mends = 0;
@@ -91,32 +136,39 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
     for (const std::int32_t v : flips.touched) geometry.Activate(v);
 
     state.relocations = 0;
-    const auto relocate = [&](const std::vector<std::int32_t>& defects) {
-      state.relocations = Relocate(defects, surface, &geometry, &flips, mesh, samples);
-      if (state.relocations > 0) history.clear();
-    };
     bool done = false;
     if (result.alternations <= kEarlyAlternations) {
-      relocate(FindDefects(surface, plan, *mesh, *samples, kEarlyLimits));
-    } else if (result.alternations <= kLastRegularMend &&
-               result.alternations % kMendInterval == 2) {
-      relocate(FindDefects(surface, plan, *mesh, *samples, kFinalLimits));
-    } else if (result.alternations > kLastRegularMend && converged()) {
-      const std::vector<std::int32_t> defects = FindDefects(surface, plan, *mesh, *samples, kFinalLimits);
-      if (defects.size() < best.defects) {
+      relocate(find_everywhere(kEarlyLimits), {});
+    } else if (result.alternations == kFirstMend || result.alternations == kSecondMend) {
+      relocate(find_everywhere(kMendLimits), coverage.FindUncovered(*mesh, *samples, kUncovered));
+    } else if (result.alternations > kSecondMend && converged()) {
+      update_defects();
+      const std::vector<UncoveredPlace> uncovered =
+          coverage.FindUncovered(*mesh, *samples, kUncovered);
+      const std::size_t count =
+          defects.size() +
+          kGraveWeight * (uncovered.size() + static_cast<std::size_t>(std::count_if(
+                                                 defects.begin(), defects.end(),
+                                                 [](const Defect& d) { return d.grave; })));
+      if (count < best.defects) {
         best.mesh = *mesh;
         best.samples = *samples;
-        best.defects = defects.size();
+        best.defects = count;
       } else {
         ++failed;
       }
-      done = defects.empty() || mends == kMaxFinalMends || failed == kMaxFailedMends;
+      done = count == 0 || mends == kMaxFinalMends || failed == kMaxFailedMends;
       if (!done) {
-        relocate(defects);
+        // From here on only what a relocation disturbs moves.
+        geometry.DeactivateAll();
+        geometry.rest = kMendRest;
+        relocate(defects, uncovered);
         ++mends;
         done = state.relocations == 0;
       }
     }
+    for (std::int32_t v = 0; v < samples->count(); ++v) changed[v] |= geometry.moved()[v];
+    for (const std::int32_t v : flips.touched) changed[v] = 1;
     measure();
     if (done) return finish(Termination::kConverged);
     history.push_back(result.capacity_cv);

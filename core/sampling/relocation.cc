@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -85,10 +86,10 @@ double SmallestAngleCosine(const Samples& samples, std::int32_t a, std::int32_t 
 
 }  // namespace
 
-std::vector<std::int32_t> FindDefects(const Surface& surface, const Plan& plan,
-                                      const SampleMesh& mesh, const Samples& samples,
-                                      const DefectLimits& limits) {
-  std::vector<std::int32_t> found;
+std::vector<Defect> FindDefects(const Surface& surface, const Plan& plan, const SampleMesh& mesh,
+                                const Samples& samples, const DefectLimits& limits,
+                                const DefectLimits& grave, const std::vector<std::uint8_t>& scope) {
+  std::vector<Defect> found;
   const auto movable = [&](std::int32_t v) {
     return samples.kind[v] == SampleMesh::Kind::kInterior;
   };
@@ -96,7 +97,7 @@ std::vector<std::int32_t> FindDefects(const Surface& surface, const Plan& plan,
     return TotalAngle(mesh, samples, v) < 2.0 * std::numbers::pi - kTipDeficit;
   };
   // Of several samples, the one with the least room; one that holds a tip only for want of another.
-  const auto blame = [&](std::initializer_list<std::int32_t> candidates) {
+  const auto blame = [&](std::initializer_list<std::int32_t> candidates, bool is_grave) {
     std::int32_t worst = -1;
     std::pair<bool, double> least;
     for (const std::int32_t v : candidates) {
@@ -107,147 +108,255 @@ std::vector<std::int32_t> FindDefects(const Surface& surface, const Plan& plan,
         least = room;
       }
     }
-    if (worst >= 0) found.push_back(worst);
+    if (worst >= 0) found.push_back({worst, is_grave});
   };
-  const double cosine = std::cos(limits.least_angle);
+  const double cosine = limits.least_angle > 0.0 ? std::cos(limits.least_angle) : 2.0;
+  const double grave_cosine = grave.least_angle > 0.0 ? std::cos(grave.least_angle) : 2.0;
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     const std::int32_t a = mesh.origin[3 * t];
     const std::int32_t b = mesh.origin[3 * t + 1];
     const std::int32_t c = mesh.origin[3 * t + 2];
-    if (Facing(samples.position, samples.normal, a, b, c) < limits.least_facing ||
-        (limits.least_angle > 0.0 && SmallestAngleCosine(samples, a, b, c) > cosine)) {
-      blame({a, b, c});
+    if (!(scope[a] | scope[b] | scope[c])) continue;
+    const double facing = Facing(samples.position, samples.normal, a, b, c);
+    const double sharpest = cosine <= 1.0 ? SmallestAngleCosine(samples, a, b, c) : 0.0;
+    if (facing < limits.least_facing || sharpest > cosine) {
+      blame({a, b, c}, facing < grave.least_facing || sharpest > grave_cosine);
     }
   }
-  std::vector<double> separation;  // Per component, squared.
+  std::vector<double> squared_spacing;  // Per component.
   for (const ComponentPlan& component : plan.components) {
-    const double spacing = std::sqrt(4.0 / std::sqrt(3.0) * component.target);
-    separation.push_back(std::pow(limits.least_separation * spacing, 2));
+    squared_spacing.push_back(4.0 / std::sqrt(3.0) * component.target);
   }
+  const double aim = limits.least_separation * limits.least_separation;
+  const double floor = grave.least_separation * grave.least_separation;
   const auto check_pair = [&](std::int32_t c, std::int32_t d) {
-    if ((samples.position[c] - samples.position[d]).squaredNorm() <
-            separation[samples.component[c]] &&
+    const double distance = (samples.position[c] - samples.position[d]).squaredNorm() /
+                            squared_spacing[samples.component[c]];
+    if (distance < aim &&
         FaceCross(surface, samples.face[c]).dot(FaceCross(surface, samples.face[d])) > 0.0) {
-      blame({c, d});
+      blame({c, d}, distance < floor);
     }
   };
   if (limits.reach == 0) {
     for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh.origin.size()); ++h) {
-      if (mesh.twin[h] > h) check_pair(mesh.Apex(h), mesh.Apex(mesh.twin[h]));
+      if (mesh.twin[h] > h && scope[mesh.origin[h]]) {
+        check_pair(mesh.Apex(h), mesh.Apex(mesh.twin[h]));
+      }
     }
   } else {
     Neighbourhood near(mesh);
     for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+      if (!scope[v]) continue;
       for (const std::int32_t u : near.Of(v, limits.reach)) {
-        if (u > v) check_pair(v, u);
+        if (u > v || (u < v && !scope[u])) check_pair(v, u);
       }
     }
   }
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
-    if (!movable(v)) continue;
+    if (!scope[v] || !movable(v)) continue;
     const std::int32_t degree = mesh.Degree(v);
     if (degree >= 5 && degree <= 7) continue;
     const double regular = TotalAngle(mesh, samples, v) * 3.0 / std::numbers::pi;
-    if (std::abs(degree - regular) > limits.most_excess) found.push_back(v);
+    if (std::abs(degree - regular) > limits.most_excess) found.push_back({v, false});
   }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  std::sort(found.begin(), found.end(), [](const Defect& a, const Defect& b) {
+    return a.sample != b.sample ? a.sample < b.sample : a.grave > b.grave;
+  });
+  const auto same = [](const Defect& a, const Defect& b) { return a.sample == b.sample; };
+  found.erase(std::unique(found.begin(), found.end(), same), found.end());
   return found;
 }
 
-std::int64_t Relocate(const std::vector<std::int32_t>& crowded, const Surface& surface,
-                      GeometryPhase* geometry, EdgeFlips* flips, SampleMesh* mesh,
-                      Samples* samples) {
-  if (crowded.empty()) return 0;
-  // Samples near a change of this call stay out of further ones: their rings are not settled.
-  std::vector<std::uint8_t> busy(samples->count(), 0);
-  const auto reserve = [&](std::int32_t v) {
-    busy[v] = 1;
-    mesh->ForEachOutgoing(v, [&](std::int32_t h) {
-      busy[mesh->Target(h)] = 1;
-      busy[mesh->Apex(h)] = 1;
+namespace {
+
+/// One call of Relocate().
+class Relocation {
+ public:
+  Relocation(const Surface& surface, GeometryPhase* geometry, EdgeFlips* flips, SampleMesh* mesh,
+             Samples* samples)
+      : surface_(surface),
+        geometry_(*geometry),
+        flips_(*flips),
+        mesh_(*mesh),
+        samples_(*samples),
+        busy_(samples->count(), 0) {}
+
+  /// Keeps the samples around `v` out of further changes: their rings are not settled.
+  void Reserve(std::int32_t v) {
+    busy_[v] = 1;
+    mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
+      busy_[mesh_.Target(h)] = 1;
+      busy_[mesh_.Apex(h)] = 1;
     });
-  };
-  for (const std::int32_t v : crowded) reserve(v);
-
-  // Destinations by capacity, largest first; ties by index. A few spares for those that are busy.
-  std::vector<std::pair<double, std::int32_t>> destinations;
-  for (std::int32_t t = 0; t < mesh->triangle_count(); ++t) {
-    destinations.emplace_back(-geometry->Capacity(t), t);
   }
-  const std::size_t wanted = std::min(destinations.size(), 16 * crowded.size() + 256);
-  std::partial_sort(destinations.begin(), destinations.begin() + wanted, destinations.end());
-  destinations.resize(wanted);
 
-  std::int64_t count = 0;
-  std::size_t next = 0;
-  std::vector<std::int32_t> ring;
-  for (const std::int32_t v : crowded) {
-    std::int32_t destination = -1;
-    while (next < destinations.size() && destination < 0) {
-      const std::int32_t t = destinations[next++].second;
-      const auto corner = [&](int k) { return mesh->origin[3 * t + k]; };
-      if (corner(0) < 0 || busy[corner(0)] || busy[corner(1)] || busy[corner(2)]) continue;
-      if (samples->component[corner(0)] != samples->component[v]) continue;
-      // A large triangle at a boundary, a tip or a crease may have no room for another sample.
-      if (Facing(samples->position, samples->normal, corner(0), corner(1), corner(2)) < 0.9 ||
-          samples->kind[corner(0)] != SampleMesh::Kind::kInterior ||
-          samples->kind[corner(1)] != SampleMesh::Kind::kInterior ||
-          samples->kind[corner(2)] != SampleMesh::Kind::kInterior) {
-        continue;
-      }
-      destination = t;
+  bool IsBusy(std::int32_t v) const { return busy_[v] != 0; }
+
+  /// Triangles with room for another sample, by capacity, largest first; ties by index.
+  std::vector<std::int32_t> FindRoom(std::size_t count) const {
+    std::vector<std::pair<double, std::int32_t>> order;
+    for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
+      order.emplace_back(-geometry_.Capacity(t), t);
     }
-    if (destination < 0) break;
+    count = std::min(order.size(), count);
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
+                      order.end());
+    order.resize(count);
+    std::vector<std::int32_t> triangles;
+    for (const auto& [capacity, t] : order) triangles.push_back(t);
+    return triangles;
+  }
 
-    // Out: into the neighbour that leaves the best-facing, roundest triangles.
-    ring.clear();
-    mesh->ForEachOutgoing(v, [&](std::int32_t h) { ring.push_back(h); });
+  /// A large triangle at a boundary, a tip or a crease may have no room for another sample.
+  bool HasRoom(std::int32_t t, std::int32_t component) const {
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t v = mesh_.origin[3 * t + k];
+      if (IsBusy(v) || samples_.kind[v] != SampleMesh::Kind::kInterior ||
+          samples_.component[v] != component) {
+        return false;
+      }
+    }
+    return Facing(samples_.position, samples_.normal, mesh_.origin[3 * t], mesh_.origin[3 * t + 1],
+                  mesh_.origin[3 * t + 2]) >= 0.9;
+  }
+
+  /// Merges `v` into the neighbour that leaves the best-facing, roundest triangles.
+  /// @return false when none would keep the topology. The triangles that fell free are slots.
+  bool TakeOut(std::int32_t v, std::int32_t slots[2]) {
+    ring_.clear();
+    mesh_.ForEachOutgoing(v, [&](std::int32_t h) { ring_.push_back(h); });
     double best = -2.0;
     std::int32_t chosen = -1;
-    for (const std::int32_t h : ring) {
-      const std::int32_t w = mesh->Target(h);
-      const std::int32_t g = mesh->twin[h];
-      double worst = 2.0;
-      for (const std::int32_t e : ring) {
-        if (e == h || (g >= 0 && e == SampleMesh::Next(g))) continue;
-        const std::int32_t b = mesh->Target(e);
-        const std::int32_t c = mesh->Apex(e);
-        worst = std::min(worst, Facing(samples->position, samples->normal, w, b, c) *
-                                    (1.0 - SmallestAngleCosine(*samples, w, b, c)));
-      }
-      if (worst > best && mesh->CanCollapse(h)) {
+    for (const std::int32_t h : ring_) {
+      const double worst = WorstAfter(h);
+      if (worst > best && mesh_.CanCollapse(h)) {
         best = worst;
         chosen = h;
       }
     }
-    if (chosen < 0) continue;
-    const std::int32_t w = mesh->Target(chosen);
-    const std::int32_t slot1 = chosen / 3;
-    const std::int32_t slot2 = mesh->twin[chosen] / 3;
-    mesh->Collapse(chosen);
-    flips->FlipAround(w);
-    reserve(w);
-    geometry->Activate(w);
+    if (chosen < 0) return false;
+    const std::int32_t w = mesh_.Target(chosen);
+    slots[0] = chosen / 3;
+    slots[1] = mesh_.twin[chosen] / 3;
+    mesh_.Collapse(chosen);
+    flips_.FlipAround(w);
+    Reserve(w);
+    geometry_.Activate(w);
+    return true;
+  }
 
-    // In: at the centre of the destination.
-    const std::int32_t a = mesh->origin[3 * destination];
-    const std::int32_t b = mesh->origin[3 * destination + 1];
-    const std::int32_t c = mesh->origin[3 * destination + 2];
-    const Eigen::Vector3d center =
-        (samples->position[a] + samples->position[b] + samples->position[c]) / 3.0;
-    SurfacePoint point = surface.Follow(samples->face[a], center);
-    for (const std::int32_t corner : {b, c}) {
-      const SurfacePoint other = surface.Follow(samples->face[corner], center);
-      if ((other.position - center).squaredNorm() < (point.position - center).squaredNorm()) {
-        point = other;
+  void PutIn(std::int32_t v, std::int32_t t, const std::int32_t slots[2],
+             const SurfacePoint& point) {
+    samples_.Place(v, surface_, point);
+    mesh_.InsertIntoTriangle(v, t, slots[0], slots[1]);
+    Reserve(v);
+    flips_.FlipAround(v);
+    geometry_.Activate(v);
+  }
+
+  /// The surface under the centre of triangle `t`, reached from the host of one of its corners.
+  SurfacePoint Center(std::int32_t t) const {
+    const std::int32_t* corner = &mesh_.origin[3 * t];
+    const Eigen::Vector3d center = (samples_.position[corner[0]] + samples_.position[corner[1]] +
+                                    samples_.position[corner[2]]) /
+                                   3.0;
+    SurfacePoint best;
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+      const SurfacePoint point = surface_.Follow(samples_.face[corner[k]], center);
+      const double distance = (point.position - center).squaredNorm();
+      if (distance < least) {
+        best = point;
+        least = distance;
       }
     }
-    samples->Place(v, surface, point);
-    mesh->InsertIntoTriangle(v, destination, slot1, slot2);
-    reserve(v);
-    flips->FlipAround(v);
-    geometry->Activate(v);
+    return best;
+  }
+
+ private:
+  double WorstAfter(std::int32_t h) const {
+    const std::int32_t w = mesh_.Target(h);
+    const std::int32_t g = mesh_.twin[h];
+    double worst = 2.0;
+    for (const std::int32_t e : ring_) {
+      if (e == h || (g >= 0 && e == SampleMesh::Next(g))) continue;
+      const std::int32_t b = mesh_.Target(e);
+      const std::int32_t c = mesh_.Apex(e);
+      worst = std::min(worst, Facing(samples_.position, samples_.normal, w, b, c) *
+                                  (1.0 - SmallestAngleCosine(samples_, w, b, c)));
+    }
+    return worst;
+  }
+
+  const Surface& surface_;
+  GeometryPhase& geometry_;
+  EdgeFlips& flips_;
+  SampleMesh& mesh_;
+  Samples& samples_;
+  std::vector<std::uint8_t> busy_;
+  std::vector<std::int32_t> ring_;
+};
+
+/// A surface vertex as a point of the surface.
+SurfacePoint AtVertex(const Surface& surface, std::int32_t vertex) {
+  const std::int32_t h = surface.outgoing()[vertex];
+  SurfacePoint point;
+  point.face = h / 3;
+  point.weights[h % 3] = 1.0;
+  point.position = surface.positions()[vertex];
+  return point;
+}
+
+}  // namespace
+
+std::int64_t Relocate(const std::vector<Defect>& defects,
+                      const std::vector<UncoveredPlace>& uncovered, const Surface& surface,
+                      GeometryPhase* geometry, EdgeFlips* flips, SampleMesh* mesh,
+                      Samples* samples) {
+  if (defects.empty() && uncovered.empty()) return 0;
+  Relocation relocation(surface, geometry, flips, mesh, samples);
+  std::vector<std::int32_t> crowded;
+  for (const Defect& defect : defects) crowded.push_back(defect.sample);
+  for (const std::int32_t v : crowded) relocation.Reserve(v);
+
+  if (crowded.size() < uncovered.size()) {
+    std::vector<std::pair<double, std::int32_t>> least;
+    for (std::int32_t v = 0; v < samples->count(); ++v) {
+      if (samples->kind[v] != SampleMesh::Kind::kInterior || relocation.IsBusy(v)) continue;
+      least.emplace_back(RingArea(*mesh, *samples, v) / mesh->Degree(v), v);
+    }
+    const std::size_t more = std::min(uncovered.size() - crowded.size(), least.size());
+    std::partial_sort(least.begin(), least.begin() + static_cast<std::ptrdiff_t>(more),
+                      least.end());
+    for (std::size_t i = 0; i < more; ++i) crowded.push_back(least[i].second);
+  }
+
+  const std::vector<std::int32_t> room = relocation.FindRoom(16 * crowded.size() + 256);
+  std::size_t next_room = 0;
+  std::size_t next_place = 0;
+  std::int64_t count = 0;
+  std::int32_t slots[2];
+  for (const std::int32_t v : crowded) {
+    if (next_place < uncovered.size()) {
+      const UncoveredPlace& place = uncovered[next_place];
+      const std::int32_t* corner = &mesh->origin[3 * place.triangle];
+      const bool usable = corner[0] >= 0 && corner[0] != v && corner[1] != v && corner[2] != v &&
+                          samples->component[corner[0]] == samples->component[v];
+      if (usable) {
+        ++next_place;
+        if (!relocation.TakeOut(v, slots)) continue;
+        relocation.PutIn(v, place.triangle, slots, AtVertex(surface, place.vertex));
+        ++count;
+        continue;
+      }
+    }
+    while (next_room < room.size() && !relocation.HasRoom(room[next_room], samples->component[v])) {
+      ++next_room;
+    }
+    if (next_room == room.size()) break;
+    const std::int32_t t = room[next_room++];
+    if (!relocation.TakeOut(v, slots)) continue;
+    relocation.PutIn(v, t, slots, relocation.Center(t));
     ++count;
   }
   return count;
