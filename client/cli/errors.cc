@@ -1,0 +1,36 @@
+#include "client/cli/errors.h"
+
+#include <cstdio>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/lib/grpc_error.h"
+#include "core/base/status.h"
+
+namespace ccst::cli {
+
+std::string ErrorText(const absl::Status& status, const std::string& server) {
+  const std::string message(status.message());
+  if (const auto delay = RetryDelaySeconds(status)) {
+    return absl::StrFormat("%s; try again in %.3g s", message, *delay);
+  }
+  if (absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status)) {
+    return absl::StrCat("cannot reach the server at ", server, " (", message,
+                        "); start one with ccst-server, name another with --server, or compute "
+                        "here with --local");
+  }
+  const auto reason = GetErrorReason(status);
+  const bool is_too_big = absl::IsResourceExhausted(status) && !reason.has_value();
+  if (is_too_big ||
+      (reason == ErrorReason::kLimitExceeded && absl::StrContains(message, "bytes"))) {
+    return absl::StrCat(message, "; a smaller upload with --quantization-bits, or --local, may do");
+  }
+  return message.empty() ? absl::StatusCodeToString(status.code()) : message;
+}
+
+void PrintError(const absl::Status& status, const std::string& server) {
+  std::fprintf(stderr, "ccst: %s\n", ErrorText(status, server).c_str());
+}
+
+}  // namespace ccst::cli

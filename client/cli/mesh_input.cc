@@ -1,0 +1,109 @@
+#include "client/cli/mesh_input.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+#include <unistd.h>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+#include "core/io/draco_mesh.h"
+#include "core/io/mesh_limits.h"
+
+namespace ccst::cli {
+namespace {
+
+absl::StatusOr<std::string> ReadStandardInput(std::int64_t max_bytes) {
+  std::string bytes;
+  char buffer[1 << 16];
+  for (;;) {
+    const ssize_t got = read(STDIN_FILENO, buffer, sizeof buffer);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) {
+      return absl::UnknownError(absl::StrCat("standard input: ", std::strerror(errno)));
+    }
+    if (got == 0) return bytes;
+    if (static_cast<std::int64_t>(bytes.size()) + got > max_bytes) {
+      return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kLimitExceeded,
+                       absl::StrCat("standard input holds more than ", max_bytes, " bytes"));
+    }
+    bytes.append(buffer, static_cast<std::size_t>(got));
+  }
+}
+
+absl::StatusOr<MeshFile> ReadFile(const std::string& path) {
+  if (path != "-") return ReadMeshFile(path);
+  CCST_ASSIGN_OR_RETURN(const std::string bytes, ReadStandardInput(MeshLimits().max_bytes));
+  auto file = ReadMesh(bytes, RecogniseFormat(bytes));
+  if (file.ok()) return file;
+  absl::Status status(file.status().code(),
+                      absl::StrCat("standard input: ", file.status().message()));
+  file.status().ForEachPayload([&status](absl::string_view url, const absl::Cord& payload) {
+    status.SetPayload(url, payload);
+  });
+  return status;
+}
+
+double LargestMove(const TriangleMesh& before, const TriangleMesh& after) {
+  double largest = 0.0;
+  for (std::size_t f = 0; f < before.faces.size(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      largest = std::max(
+          largest,
+          (before.positions[before.faces[f][k]] - after.positions[after.faces[f][k]]).norm());
+    }
+  }
+  return largest;
+}
+
+bool StartsWith(std::string_view text, std::string_view prefix) {
+  return text.substr(0, prefix.size()) == prefix;
+}
+
+// Binary STL says how many triangles of 50 bytes follow its 80 bytes of anything.
+bool IsBinaryStl(std::string_view bytes) {
+  constexpr std::size_t kHeader = 84;
+  if (bytes.size() < kHeader) return false;
+  std::uint32_t count = 0;
+  for (int i = 0; i < 4; ++i) {
+    count |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[80 + i])) << (8 * i);
+  }
+  return bytes.size() == kHeader + std::uint64_t{50} * count;
+}
+
+}  // namespace
+
+MeshFormat RecogniseFormat(std::string_view bytes) {
+  if (StartsWith(bytes, "DRACO")) return MeshFormat::kDraco;
+  if (StartsWith(bytes, "ply")) return MeshFormat::kPly;
+  if (StartsWith(bytes, "OFF") || StartsWith(bytes, "COFF") || StartsWith(bytes, "NOFF")) {
+    return MeshFormat::kOff;
+  }
+  if (StartsWith(bytes, "solid") || IsBinaryStl(bytes)) return MeshFormat::kStl;
+  return MeshFormat::kObj;
+}
+
+absl::StatusOr<MeshInput> ReadMeshInput(const std::string& path,
+                                        std::optional<int> quantization_bits, Transport transport) {
+  MeshInput input;
+  CCST_ASSIGN_OR_RETURN(input.file, ReadFile(path));
+  input.origin = ChooseOrigin(input.file.mesh);
+  CCST_ASSIGN_OR_RETURN(input.wire, ToWirePrecision(input.file.mesh, input.origin));
+  // The encoding drops vertices of no face where they are too many; then, and when it moves
+  // vertices, only decoding tells what a server sees.
+  const bool is_exact =
+      !quantization_bits.has_value() && input.wire.positions.size() <= 3 * input.wire.faces.size();
+  if (is_exact && transport == Transport::kLocal) return input;
+  CCST_ASSIGN_OR_RETURN(input.draco, EncodeDraco(input.wire, quantization_bits));
+  if (!is_exact) {
+    CCST_ASSIGN_OR_RETURN(TriangleMesh decoded, DecodeDraco(input.draco));
+    input.max_move = LargestMove(input.wire, decoded);
+    input.wire = std::move(decoded);
+  }
+  return input;
+}
+
+}  // namespace ccst::cli

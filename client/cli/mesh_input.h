@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include "absl/status/statusor.h"
+#include "core/io/mesh_file.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace ccst::cli {
+
+/// A mesh as it was read, and as it is sampled.
+struct MeshInput {
+  MeshFile file;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  TriangleMesh wire;      ///< What a server decodes: 32-bit floats relative to `origin`.
+  std::string draco;      ///< `wire` encoded; empty when not asked for.
+  double max_move = 0.0;  ///< Farthest a vertex of a face moved by quantisation [mesh unit].
+};
+
+/// Whether the encoded mesh will be needed.
+enum class Transport { kLocal, kRemote };
+
+/// Reads `path` (`-`: standard input, whose format is recognised by its first bytes) and makes of
+/// it what a server would compute on.
+/// @errors those of ReadMeshFile(), ToWirePrecision() and EncodeDraco()
+absl::StatusOr<MeshInput> ReadMeshInput(const std::string& path,
+                                        std::optional<int> quantization_bits, Transport transport);
+
+/// The format that `bytes` begin like; OBJ, which has no mark, when like no other.
+MeshFormat RecogniseFormat(std::string_view bytes);
+
+}  // namespace ccst::cli

@@ -1,0 +1,125 @@
+#include "client/cli/outputs.h"
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <unistd.h>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/summary.h"
+#include "client/render/picture.h"
+#include "core/base/status.h"
+#include "core/io/atomic_file.h"
+#include "core/io/mesh_file.h"
+#include "core/io/sample_file.h"
+
+namespace ccst::cli {
+namespace {
+
+constexpr char kStandardOutput[] = "-";
+
+SampleFormat SamplesFormat(const std::string& path) {
+  return SampleFormatFromPath(path).value_or(SampleFormat::kCsv);
+}
+
+MeshOutputFormat MeshFormat(const std::string& path) {
+  return MeshOutputFormatFromPath(path).value_or(MeshOutputFormat::kObj);
+}
+
+bool IsPng(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".png";
+}
+
+absl::Status CheckExtension(bool known, const char* flag, const std::string& path,
+                            const char* extensions) {
+  if (path.empty() || path == kStandardOutput || known) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(flag, " ", path, ": the name must end in one of ", extensions));
+}
+
+absl::Status CheckWritable(const std::string& path) {
+  if (path.empty() || path == kStandardOutput) return absl::OkStatus();
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    return absl::InvalidArgumentError(absl::StrCat(path, " is a folder; name a file"));
+  }
+  // Devices and pipes are written in place, all else is renamed into its folder.
+  if (fs::exists(path, error) && !fs::is_regular_file(path, error)) {
+    if (access(path.c_str(), W_OK) == 0) return absl::OkStatus();
+    return absl::InvalidArgumentError(absl::StrCat(path, " cannot be written"));
+  }
+  fs::path folder = fs::path(path).parent_path();
+  if (folder.empty()) folder = ".";
+  if (!fs::is_directory(folder, error)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": there is no folder ", folder.string(), "; make it first"));
+  }
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": the folder ", folder.string(), " cannot be written to"));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::string> EncodePicture(const MeshInput& input, const SampleOutcome& outcome) {
+  CCST_ASSIGN_OR_RETURN(const Image image, RenderPicture(input.file.mesh, outcome.result.samples));
+  return EncodePng(image);
+}
+
+}  // namespace
+
+absl::Status CheckOutputs(const SampleCommand& command) {
+  const std::string& samples = command.samples_path;
+  const std::string& mesh = command.mesh_path;
+  CCST_RETURN_IF_ERROR(CheckExtension(SampleFormatFromPath(samples).has_value(), "-o", samples,
+                                      ".ply .csv .xyz .obj .drc"));
+  CCST_RETURN_IF_ERROR(CheckExtension(MeshOutputFormatFromPath(mesh).has_value(), "--mesh-output",
+                                      mesh, ".obj .ply .stl .off .glb .drc"));
+  CCST_RETURN_IF_ERROR(
+      CheckExtension(IsPng(command.picture_path), "--picture", command.picture_path, ".png"));
+  std::set<std::string> seen;
+  for (const std::string& path : {samples, mesh, command.picture_path, command.summary_path}) {
+    CCST_RETURN_IF_ERROR(CheckWritable(path));
+    if (path.empty()) continue;
+    const bool is_new = path == "/dev/null" ||
+                        seen.insert(std::filesystem::path(path).lexically_normal().string()).second;
+    if (!is_new) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          path == kStandardOutput ? "standard output" : path, " can take one output only"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status WriteOutputs(const SampleCommand& command, const MeshInput& input,
+                          const SampleOutcome& outcome) {
+  const SampleSet& samples = outcome.result.samples;
+  std::vector<std::pair<std::string, std::string>> files;  // Path and contents.
+  std::string contents;
+  if (!command.samples_path.empty()) {
+    CCST_ASSIGN_OR_RETURN(contents, EncodeSamples(samples, SamplesFormat(command.samples_path)));
+    files.emplace_back(command.samples_path, std::move(contents));
+  }
+  if (!command.mesh_path.empty()) {
+    CCST_ASSIGN_OR_RETURN(contents, EncodeMesh({samples.positions, samples.triangles},
+                                               MeshFormat(command.mesh_path)));
+    files.emplace_back(command.mesh_path, std::move(contents));
+  }
+  if (!command.picture_path.empty()) {
+    CCST_ASSIGN_OR_RETURN(contents, EncodePicture(input, outcome));
+    files.emplace_back(command.picture_path, std::move(contents));
+  }
+  if (!command.summary_path.empty()) {
+    files.emplace_back(command.summary_path, SummaryJson(command, outcome));
+  }
+  for (const auto& [path, bytes] : files) CCST_RETURN_IF_ERROR(WriteFileAtomically(path, bytes));
+  return absl::OkStatus();
+}
+
+}  // namespace ccst::cli

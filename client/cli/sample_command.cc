@@ -1,0 +1,95 @@
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/commands.h"
+#include "client/cli/errors.h"
+#include "client/cli/interrupt.h"
+#include "client/cli/local_run.h"
+#include "client/cli/mesh_input.h"
+#include "client/cli/outputs.h"
+#include "client/cli/progress.h"
+#include "client/cli/summary.h"
+#include "client/lib/client.h"
+#include "core/base/status.h"
+
+namespace ccst::cli {
+namespace {
+
+ExitCode Fail(ProgressPrinter& printer, const absl::Status& status, const std::string& server) {
+  printer.Finish();
+  PrintError(status, server);
+  return ExitCodeFor(status);
+}
+
+absl::StatusOr<SampleOutcome> SampleRemotely(MeshInput& input, const SampleCommand& command,
+                                             ProgressPrinter& printer, std::stop_token stop) {
+  SampleJob job;
+  job.draco = std::move(input.draco);
+  job.mesh = std::move(input.wire);
+  job.origin = input.origin;
+  job.options = command.options;
+  SampleCallbacks callbacks;
+  callbacks.on_snapshot = [&printer](const v1::Job& snapshot) {
+    if (snapshot.state() != v1::Job::STATE_QUEUED || snapshot.queue_position() == 0) return;
+    printer.Note(absl::StrCat("waiting; jobs ahead: ", snapshot.queue_position()));
+  };
+  callbacks.on_progress = [&printer](const AlternationReport& report) { printer.Show(report); };
+  return Client::Connect(command.server).Sample(job, callbacks, std::move(stop));
+}
+
+// Faces of the result are triangles of the mesh that was sampled; users know those of their file.
+void NameOwnFaces(const MeshFile& file, SampleSet& samples) {
+  if (file.face_source.empty()) return;
+  for (std::int32_t& face : samples.faces) face = file.face_source[face];
+}
+
+bool HasOutput(const SampleCommand& command) {
+  return !command.samples_path.empty() || !command.mesh_path.empty() ||
+         !command.picture_path.empty() || !command.summary_path.empty();
+}
+
+}  // namespace
+
+ExitCode RunSample(const SampleCommand& command) {
+  Interrupt interrupt;
+  ProgressPrinter printer(command.progress, stderr);
+  if (const absl::Status status = command.options.Validate(); !status.ok()) {
+    return Fail(printer, status, command.server);
+  }
+  const bool is_local = command.server.empty();
+  auto input = ReadMeshInput(command.mesh, command.quantization_bits,
+                             is_local ? Transport::kLocal : Transport::kRemote);
+  if (!input.ok()) return Fail(printer, input.status(), command.server);
+  if (command.quantization_bits.has_value() && printer.is_for_people()) {
+    std::fprintf(stderr, "quantised to %d bits: %zu bytes, vertices moved by up to %.3g\n",
+                 *command.quantization_bits, input->draco.size(), input->max_move);
+  }
+
+  auto outcome = is_local
+                     ? SampleLocally(
+                           *input, command.options,
+                           [&printer](const AlternationReport& report) { printer.Show(report); },
+                           interrupt.token())
+                     : SampleRemotely(*input, command, printer, interrupt.token());
+  if (outcome.ok() && interrupt.token().stop_requested()) {
+    outcome = MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled, "cancelled");
+  }
+  if (!outcome.ok()) return Fail(printer, outcome.status(), command.server);
+  printer.Finish();
+  NameOwnFaces(input->file, outcome->result.samples);
+  if (const absl::Status status = WriteOutputs(command, *input, *outcome); !status.ok()) {
+    PrintError(status, command.server);
+    return kFailed;
+  }
+  const std::string figures = SummaryText(command, *outcome);
+  if (!HasOutput(command)) {
+    std::fputs(figures.c_str(), stdout);
+  } else if (printer.is_for_people()) {
+    std::fputs(figures.c_str(), stderr);
+  }
+  return kOk;
+}
+
+}  // namespace ccst::cli

@@ -1,0 +1,95 @@
+#include "client/cli/summary.h"
+
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_format.h"
+
+namespace ccst::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* TerminationName(Termination termination) {
+  switch (termination) {
+    case Termination::kConverged:
+      return "converged";
+    case Termination::kIterationLimit:
+      return "iteration_limit";
+    case Termination::kTimeLimit:
+      return "time_limit";
+    case Termination::kStopped:
+      return "stopped";
+  }
+  return "unknown";
+}
+
+const char* TerminationText(Termination termination) {
+  switch (termination) {
+    case Termination::kConverged:
+      return "converged";
+    case Termination::kIterationLimit:
+      return "stopped at the iteration limit";
+    case Termination::kTimeLimit:
+      return "stopped at the time limit";
+    case Termination::kStopped:
+      return "stopped";
+  }
+  return "ended";
+}
+
+Json SurfaceJson(const SurfaceSummary& surface) {
+  Json json;
+  json["vertices"] = surface.vertices;
+  json["faces"] = surface.faces;
+  json["area"] = surface.area;
+  json["diagonal"] = surface.diagonal;
+  json["components"] = surface.components;
+  json["boundary_loops"] = surface.boundary_loops;
+  json["euler"] = surface.euler;
+  json["repairs"] = {{"welded_vertices", surface.welded_vertices},
+                     {"isolated_vertices", surface.isolated_vertices},
+                     {"closed_loops", surface.closed_loops}};
+  return json;
+}
+
+Json TextOrNull(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+}  // namespace
+
+std::string SummaryJson(const SampleCommand& command, const SampleOutcome& outcome) {
+  const SamplingResult& result = outcome.result;
+  Json json;
+  json["count"] = result.samples.positions.size();
+  json["seed"] = command.options.seed;
+  json["method"] = "ccst";
+  json["converged"] = result.termination == Termination::kConverged;
+  json["termination"] = TerminationName(result.termination);
+  json["alternations"] = result.alternations;
+  json["passes"] = result.passes;
+  json["energy"] = result.energy;
+  json["capacity_cv"] = result.capacity_cv;
+  json["relative_radius"] = result.relative_radius;
+  json["samples_digest"] = outcome.record.samples_sha256;
+  json["surface"] = SurfaceJson(result.surface);
+  json["seconds"] = {{"decode", outcome.record.decode_seconds},
+                     {"prepare", result.prepare_seconds},
+                     {"initialise", result.initialise_seconds},
+                     {"optimise", result.optimise_seconds},
+                     {"total", outcome.record.total_seconds}};
+  json["job"] = TextOrNull(outcome.job_name);
+  json["server"] = TextOrNull(command.server);
+  return json.dump(2) + "\n";
+}
+
+std::string SummaryText(const SampleCommand& command, const SampleOutcome& outcome) {
+  const SamplingResult& result = outcome.result;
+  const std::string where = command.server.empty() ? "in this process" : "by " + command.server;
+  return absl::StrFormat(
+      "%d samples on %d faces, %d triangles, computed %s in %.2f s\n"
+      "%s after %d alternations: capacity variation %.2f %%, relative radius %.3f\n",
+      result.samples.positions.size(), result.surface.faces, result.samples.triangles.size(), where,
+      outcome.record.total_seconds, TerminationText(result.termination), result.alternations,
+      100.0 * result.capacity_cv, result.relative_radius);
+}
+
+}  // namespace ccst::cli

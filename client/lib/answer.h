@@ -1,0 +1,34 @@
+#pragma once
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "ccst/v1/sampling_service.pb.h"
+#include "client/lib/client.h"
+#include "client/lib/outcome.h"
+
+namespace ccst {
+
+/// Puts the messages of one `Sample` stream together and checks them.
+class Answer {
+ public:
+  /// `job` and `callbacks` must outlive the answer.
+  Answer(const SampleJob& job, const SampleCallbacks& callbacks);
+
+  /// Takes the next message. Events this version does not know are ignored.
+  /// @errors DATA_LOSS chunks out of order, malformed, or more samples than asked for
+  absl::Status Take(const v1::SampleResponse& message);
+
+  /// The outcome, after a stream that ended with OK.
+  /// @errors `Job.error` of a failed job | CANCELLED | DATA_LOSS as Client::Sample()
+  absl::StatusOr<SampleOutcome> Finish();
+
+ private:
+  absl::StatusOr<SampleOutcome> Check(const v1::SamplingResult& result);
+
+  const SampleJob& job_;
+  const SampleCallbacks& callbacks_;
+  SampleSet samples_;
+  v1::Job last_;
+};
+
+}  // namespace ccst
