@@ -292,12 +292,13 @@ double GeometryPhase::MoveBoundary(std::int32_t v, Ring* ring) {
   return 0.0;
 }
 
-double GeometryPhase::Pass() {
+double GeometryPhase::Pass(Interrupt* interrupt) {
   active_.swap(next_);
   std::fill(next_.begin(), next_.end(), std::uint8_t{0});
   Ring ring;
   double largest = 0.0;
   for (std::int32_t v = 0; v < samples_.count(); ++v) {
+    if (interrupt->RequestedAt(v)) break;
     if (!active_[v] || samples_.kind[v] == SampleMesh::Kind::kFixed || !Gather(v, &ring)) continue;
     const double move = samples_.kind[v] == SampleMesh::Kind::kInterior ? MoveInterior(v, &ring)
                                                                         : MoveBoundary(v, &ring);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/interrupt.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/sample_mesh.h"
 #include "core/sampling/samples.h"
@@ -29,8 +30,9 @@ class GeometryPhase {
 
   /// Visits every active vertex once. A vertex is active when it or a neighbour moved by more than
   /// a small part of the spacing since its last visit, or when Activate() named it.
+  /// Ends early, every vertex either moved or not, when `interrupt` is requested.
   /// @return the largest move in units of the local spacing. Cost O(active vertices).
-  double Pass();
+  double Pass(Interrupt* interrupt);
 
   /// Marks `v` and its neighbours for the next pass.
   void Activate(std::int32_t v);

@@ -8,14 +8,13 @@
 #include <Eigen/Geometry>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/interrupt.h"
 #include "core/base/status.h"
 #include "core/sampling/edge_flips.h"
 #include "core/sampling/vertex_removal.h"
 
 namespace ccst {
 namespace {
-
-constexpr int kStopInterval = 4096;
 
 /// The surface's faces with the samples inserted. Vertices: samples, then the surface's own, then
 /// one per closed loop.
@@ -32,14 +31,13 @@ class Insertion {
   }
 
   /// @return false when stopped.
-  bool Run(const RunControl& run) {
+  bool Run(Interrupt* interrupt) {
     AdoptCorners();
     SetTriangles();
     InsertBoundarySamples();
-    int work = 0;
     for (std::int32_t i = 0; i < samples_.count(); ++i) {
       if (samples_.kind[i] != SampleMesh::Kind::kInterior) continue;
-      if (++work % kStopInterval == 0 && run.stop.stop_requested()) return false;
+      if (interrupt->RequestedAt(i)) return false;
       InsertInterior(i);
     }
     return true;
@@ -210,40 +208,45 @@ class Insertion {
 };
 
 /// Live triangles over the samples, ordered by their smallest vertex.
-std::vector<Eigen::Vector3i> LiveTriangles(const SampleMesh& mesh) {
-  std::vector<Eigen::Vector3i> triangles;
+std::vector<Eigen::Vector3i> LiveTriangles(const SampleMesh& mesh, std::int32_t vertex_count) {
+  const auto first_corner = [&](std::int32_t t) {
+    const std::int32_t* corner = &mesh.origin[3 * t];
+    return corner[0] < corner[1] ? (corner[0] < corner[2] ? 0 : 2)
+                                 : (corner[1] < corner[2] ? 1 : 2);
+  };
+  std::vector<std::int32_t> start(vertex_count + 1, 0);
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (!mesh.IsDead(t)) ++start[mesh.origin[3 * t + first_corner(t)] + 1];
+  }
+  for (std::int32_t v = 0; v < vertex_count; ++v) start[v + 1] += start[v];
+  std::vector<Eigen::Vector3i> triangles(start[vertex_count]);
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     if (mesh.IsDead(t)) continue;
-    int first = 0;
-    for (int k = 1; k < 3; ++k) {
-      if (mesh.origin[3 * t + k] < mesh.origin[3 * t + first]) first = k;
-    }
-    triangles.push_back({mesh.origin[3 * t + first], mesh.origin[3 * t + (first + 1) % 3],
-                         mesh.origin[3 * t + (first + 2) % 3]});
+    const int first = first_corner(t);
+    const std::int32_t v = mesh.origin[3 * t + first];
+    triangles[start[v]++] = {v, mesh.origin[3 * t + (first + 1) % 3],
+                             mesh.origin[3 * t + (first + 2) % 3]};
   }
-  std::sort(triangles.begin(), triangles.end(),
-            [](const Eigen::Vector3i& a, const Eigen::Vector3i& b) {
-              return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
-            });
   return triangles;
 }
 
 }  // namespace
 
 absl::StatusOr<SampleMesh> BuildInitialMesh(const Surface& surface, const Plan& plan,
-                                            const Samples& samples, const RunControl& run) {
+                                            const Samples& samples, Interrupt* interrupt) {
   Insertion insertion(surface, plan, samples);
-  if (!insertion.Run(run)) return absl::CancelledError("stopped while the samples were inserted");
+  if (!insertion.Run(interrupt))
+    return absl::CancelledError("stopped while the samples were inserted");
   CCST_ASSIGN_OR_RETURN(const std::int64_t left,
-                        RemoveVertices(samples.count(), insertion.positions, insertion.normals, run,
-                                       &insertion.mesh));
+                        RemoveVertices(samples.count(), insertion.positions, insertion.normals,
+                                       interrupt, &insertion.mesh));
   if (left > 0) {
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
                      absl::StrCat("sample_count ", samples.count(),
                                   " is too small for the topology of the surface"));
   }
   SampleMesh mesh;
-  mesh.SetTriangles(samples.count(), LiveTriangles(insertion.mesh));
+  mesh.SetTriangles(samples.count(), LiveTriangles(insertion.mesh, samples.count()));
   EdgeFlips(&mesh, &samples.position, &samples.normal).FlipAll();
   return mesh;
 }

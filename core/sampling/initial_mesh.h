@@ -1,8 +1,8 @@
 #pragma once
 
 #include "absl/status/statusor.h"
+#include "core/base/interrupt.h"
 #include "core/sampling/plan.h"
-#include "core/sampling/run_control.h"
 #include "core/sampling/sample_mesh.h"
 #include "core/sampling/samples.h"
 #include "core/surface/surface.h"
@@ -15,10 +15,10 @@ namespace ccst {
 /// closes are filled by a fan first.
 /// @return a mesh over samples.count() vertices, triangles in the spatial order of the samples.
 /// @errors INVALID_ARGUMENT COUNT_TOO_SMALL when vertices remain that cannot be removed;
-///         CANCELLED when `run` was stopped.
+///         CANCELLED when `interrupt` was requested.
 /// Cost O(F + n) expected. Source: core/docs/algorithm.md; the paper uses the Crust algorithm
 /// (section 3.2), which needs a dense sample.
 absl::StatusOr<SampleMesh> BuildInitialMesh(const Surface& surface, const Plan& plan,
-                                            const Samples& samples, const RunControl& run);
+                                            const Samples& samples, Interrupt* interrupt);
 
 }  // namespace ccst

@@ -23,8 +23,8 @@ constexpr DefectLimits kEarlyLimits = {};
 /// capacities have converged, as long as that leaves fewer defects.
 constexpr int kFirstMend = 10;
 constexpr int kSecondMend = 18;
-constexpr int kMaxFinalMends = 16;
-constexpr int kMaxFailedMends = 4;
+constexpr int kMaxFinalMends = 40;
+constexpr int kMaxFailedMends = 10;
 constexpr DefectLimits kMendLimits = {.least_facing = 0.2,
                                       .least_separation = 0.66,
                                       .least_angle = 27.0 * std::numbers::pi / 180.0,
@@ -55,8 +55,7 @@ constexpr int kWindow = 5;
 
 RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingOptions& options,
                        const std::function<void(const AlternationReport&)>& report,
-                       const std::function<bool(Termination*)>& interrupted, SampleMesh* mesh,
-                       Samples* samples) {
+                       Interrupt* interrupt, SampleMesh* mesh, Samples* samples) {
   RelaxationReport result;
   GeometryPhase geometry(&surface, &plan, options.energy, mesh, samples);
   EdgeFlips flips(mesh, &samples->position, &samples->normal);
@@ -89,10 +88,10 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
     if (best.defects != std::numeric_limits<std::size_t>::max()) {
       *mesh = std::move(best.mesh);
       *samples = std::move(best.samples);
-      const GeometryPhase::Spread spread = geometry.MeasureCapacities();
-      result.energy = spread.energy;
-      result.capacity_cv = spread.cv;
     }
+    const GeometryPhase::Spread spread = geometry.MeasureCapacities();
+    result.energy = spread.energy;
+    result.capacity_cv = spread.cv;
     result.termination = termination;
     return result;
   };
@@ -103,7 +102,7 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
   const auto update_defects = [&] {
     std::erase_if(defects, [&](const Defect& d) { return changed[d.sample] != 0; });
     const std::vector<Defect> fresh =
-        FindDefects(surface, plan, *mesh, *samples, kFinalLimits, kGraveLimits, changed);
+        FindDefects(surface, plan, *mesh, *samples, kFinalLimits, kGraveLimits, changed, interrupt);
     defects.insert(defects.end(), fresh.begin(), fresh.end());
     std::sort(defects.begin(), defects.end(), [](const Defect& a, const Defect& b) {
       return a.sample != b.sample ? a.sample < b.sample : a.grave > b.grave;
@@ -113,7 +112,7 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
     std::fill(changed.begin(), changed.end(), std::uint8_t{0});
   };
   const auto find_everywhere = [&](const DefectLimits& limits) {
-    return FindDefects(surface, plan, *mesh, *samples, limits, limits, everywhere);
+    return FindDefects(surface, plan, *mesh, *samples, limits, limits, everywhere, interrupt);
   };
   const auto relocate = [&](const std::vector<Defect>& crowded,
                             const std::vector<UncoveredPlace>& uncovered) {
@@ -121,15 +120,21 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
     if (state.relocations > 0) history.clear();
   };
 
+  const auto interrupted = [&] {
+    return interrupt->cause() == Interrupt::Cause::kTimeLimit ? Termination::kTimeLimit
+                                                              : Termination::kStopped;
+  };
+
   int mends = 0;
   int failed = 0;
   while (result.alternations < options.max_iterations) {
-    if (Termination reason; interrupted(&reason)) return finish(reason);
-    ++result.alternations;
-    state.alternation = result.alternations;
+    if (interrupt->Requested()) return finish(interrupted());
     geometry.ClearMoved();
-    state.max_displacement = geometry.Pass() * plan.spacing;
+    state.max_displacement = geometry.Pass(interrupt) * plan.spacing;
+    if (interrupt->Requested()) return finish(interrupted());
+    ++result.alternations;
     ++result.passes;
+    state.alternation = result.alternations;
 
     flips.touched.clear();
     state.flips = flips.FlipAround(geometry.moved());

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "core/base/interrupt.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/run_control.h"
 #include "core/sampling/sample_mesh.h"
@@ -22,13 +23,12 @@ struct RelaxationReport {
 };
 
 /// Alternates geometry phases, edge flips and relocations until the capacities no longer improve.
-/// One alternation is one pass over the active samples, then flips around what moved, then (while
-/// defects remain) relocations. Calls `report` after every alternation and once, with alternation
-/// 0, before the first. `interrupted` is polled between alternations and, at least every 50 ms,
-/// within them; when it names a reason the relaxation ends with the last whole iterate.
+/// One alternation is one pass over the active samples, then flips around what moved, then (where
+/// it is its turn) relocations. Calls `report` after every alternation and once, with alternation
+/// 0, before the first. `interrupt` is polled within alternations; once it is requested the
+/// relaxation ends with what it has: a whole sample mesh, every sample on the surface.
 RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingOptions& options,
                        const std::function<void(const AlternationReport&)>& report,
-                       const std::function<bool(Termination*)>& interrupted, SampleMesh* mesh,
-                       Samples* samples);
+                       Interrupt* interrupt, SampleMesh* mesh, Samples* samples);
 
 }  // namespace ccst

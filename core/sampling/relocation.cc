@@ -88,7 +88,8 @@ double SmallestAngleCosine(const Samples& samples, std::int32_t a, std::int32_t 
 
 std::vector<Defect> FindDefects(const Surface& surface, const Plan& plan, const SampleMesh& mesh,
                                 const Samples& samples, const DefectLimits& limits,
-                                const DefectLimits& grave, const std::vector<std::uint8_t>& scope) {
+                                const DefectLimits& grave, const std::vector<std::uint8_t>& scope,
+                                Interrupt* interrupt) {
   std::vector<Defect> found;
   const auto movable = [&](std::int32_t v) {
     return samples.kind[v] == SampleMesh::Kind::kInterior;
@@ -146,6 +147,7 @@ std::vector<Defect> FindDefects(const Surface& surface, const Plan& plan, const 
   } else {
     Neighbourhood near(mesh);
     for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+      if (interrupt->RequestedAt(v)) break;
       if (!scope[v]) continue;
       for (const std::int32_t u : near.Of(v, limits.reach)) {
         if (u > v || (u < v && !scope[u])) check_pair(v, u);

@@ -3,10 +3,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/interrupt.h"
 #include "core/base/status.h"
+#include "core/quality/distances.h"
 #include "core/sampling/initial_mesh.h"
 #include "core/sampling/initial_points.h"
 #include "core/sampling/plan.h"
@@ -65,6 +71,57 @@ SampleSet Export(const TriangleMesh& mesh, const Samples& samples,
   return set;
 }
 
+/// The initial samples and their triangulation.
+struct Start {
+  Samples samples;
+  SampleMesh mesh;
+};
+
+absl::StatusOr<Start> TryStart(const Surface& surface, const Plan& plan, std::uint64_t seed,
+                               Interrupt* interrupt) {
+  Start start;
+  start.samples = DrawInitialPoints(surface, plan, seed);
+  CCST_ASSIGN_OR_RETURN(start.mesh, BuildInitialMesh(surface, plan, start.samples, interrupt));
+  return start;
+}
+
+/// Like TryStart(); when the count is too small for the topology, the error names the next one
+/// that works with this seed.
+absl::StatusOr<Start> MakeStart(const Surface& surface, const Plan& plan,
+                                const SamplingOptions& options, Interrupt* interrupt) {
+  absl::StatusOr<Start> start = TryStart(surface, plan, options.seed, interrupt);
+  if (start.ok() || GetErrorReason(start.status()) != ErrorReason::kCountTooSmall) return start;
+  constexpr std::int64_t kMaxTries = 64;
+  for (std::int64_t count = options.sample_count + 1; count <= options.sample_count + kMaxTries;
+       ++count) {
+    const absl::StatusOr<Plan> larger = MakePlan(surface, count, options.seed);
+    if (!larger.ok()) continue;
+    const absl::StatusOr<Start> other = TryStart(surface, *larger, options.seed, interrupt);
+    if (absl::IsCancelled(other.status())) return other.status();
+    if (!other.ok()) continue;
+    return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
+                     absl::StrCat("sample_count ", options.sample_count,
+                                  " is too small for the topology of the surface; the smallest "
+                                  "that works is ",
+                                  count));
+  }
+  return start;
+}
+
+/// Smallest distance between samples on the same side over the hexagonal spacing.
+double RelativeRadius(const Surface& surface, const Samples& samples) {
+  std::vector<Eigen::Vector3d> normals(samples.position.size());
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const Eigen::Vector3i& face = surface.faces()[samples.face[i]];
+    const Eigen::Vector3d& corner = surface.positions()[face[0]];
+    normals[i] = (surface.positions()[face[1]] - corner)
+                     .cross(surface.positions()[face[2]] - corner)
+                     .normalized();
+  }
+  return quality::MeasureDistances(samples.position, normals, surface.area())
+      .relative_radius_same_side;
+}
+
 }  // namespace
 
 absl::Status SamplingOptions::Validate() const {
@@ -95,49 +152,47 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
                                              const RunControl& run) {
   CCST_RETURN_IF_ERROR(options.Validate());
   const Clock::time_point start = Clock::now();
+  // The time limit bounds the relaxation; without initial samples there is nothing to return.
+  Interrupt stop(run.stop);
   const auto enter = [&](Phase phase) {
     if (run.progress != nullptr) run.progress->OnPhase(phase);
   };
   enter(Phase::kPreparing);
-  CCST_ASSIGN_OR_RETURN(const Surface surface, Surface::Build(mesh));
+  CCST_ASSIGN_OR_RETURN(const Surface surface, Surface::Build(mesh, &stop));
   CCST_ASSIGN_OR_RETURN(const Plan plan, MakePlan(surface, options.sample_count, options.seed));
-  if (run.stop.stop_requested()) return absl::CancelledError("stopped before the first samples");
+  if (stop.Requested()) return absl::CancelledError("stopped before the first samples");
   SamplingResult result;
   result.surface = Summarise(surface, plan);
   result.prepare_seconds = SecondsSince(start);
 
   enter(Phase::kInitializing);
-  Samples samples = DrawInitialPoints(surface, plan, options.seed);
-  CCST_ASSIGN_OR_RETURN(SampleMesh triangulation, BuildInitialMesh(surface, plan, samples, run));
+  CCST_ASSIGN_OR_RETURN(Start first, MakeStart(surface, plan, options, &stop));
   result.initialise_seconds = SecondsSince(start) - result.prepare_seconds;
 
   enter(Phase::kRelaxing);
+  std::vector<Eigen::Vector3d> positions;
   const auto report = [&](const AlternationReport& alternation) {
     if (run.progress == nullptr) return;
     AlternationReport copy = alternation;
     copy.max_displacement *= surface.unit();
     copy.elapsed_seconds = SecondsSince(start);
-    std::vector<Eigen::Vector3d> positions(samples.position.size());
+    positions.resize(first.samples.position.size());
     for (std::size_t i = 0; i < positions.size(); ++i) {
-      positions[i] = surface.ToMesh(samples.position[i]);
+      positions[i] = surface.ToMesh(first.samples.position[i]);
     }
     copy.positions = positions;
     run.progress->OnAlternation(copy);
   };
-  const auto interrupted = [&](Termination* reason) {
-    if (run.stop.stop_requested()) {
-      *reason = Termination::kStopped;
-      return true;
-    }
-    if (options.time_limit_seconds.has_value() &&
-        SecondsSince(start) >= *options.time_limit_seconds) {
-      *reason = Termination::kTimeLimit;
-      return true;
-    }
-    return false;
-  };
+  std::optional<Clock::time_point> deadline;
+  if (options.time_limit_seconds.has_value()) {
+    // Beyond a year it is no limit, and the clock's range would not hold every double.
+    const double seconds = std::min(*options.time_limit_seconds, 3.2e7);
+    deadline =
+        start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  }
+  Interrupt interrupt(run.stop, deadline);
   const RelaxationReport relaxed =
-      Relax(surface, plan, options, report, interrupted, &triangulation, &samples);
+      Relax(surface, plan, options, report, &interrupt, &first.mesh, &first.samples);
   result.termination = relaxed.termination;
   result.alternations = relaxed.alternations;
   result.passes = relaxed.passes;
@@ -147,7 +202,10 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
       SecondsSince(start) - result.prepare_seconds - result.initialise_seconds;
 
   enter(Phase::kFinalizing);
-  result.samples = Export(mesh, samples, triangulation);
+  result.samples = Export(mesh, first.samples, first.mesh);
+  if (result.termination != Termination::kStopped) {
+    result.relative_radius = RelativeRadius(surface, first.samples);
+  }
   return result;
 }
 

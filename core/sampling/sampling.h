@@ -30,7 +30,7 @@ enum class Energy {
 /// change them.
 struct SamplingOptions {
   std::int64_t sample_count = 0;     ///< Required, in [kMinSampleCount, kMaxSampleCount].
-  int max_iterations = 200;          ///< Alternations, in [0, kMaxAlternations]; 0: initial set.
+  int max_iterations = 400;          ///< Alternations, in [0, kMaxAlternations]; 0: initial set.
   double relative_tolerance = 2e-2;  ///< > 0; stop when capacity_cv improves by less
                                      ///< than this an alternation, over five of them.
   std::uint64_t seed = 0;            ///< Part of the result's identity.

@@ -13,8 +13,6 @@
 namespace ccst {
 namespace {
 
-constexpr int kStopInterval = 1024;
-
 /// What the worst new triangle must reach, from round to round; the last one takes anything.
 constexpr std::array<double, 4> kDemands = {0.2, 0.02, -0.5,
                                             -std::numeric_limits<double>::infinity()};
@@ -96,7 +94,7 @@ class Removal {
 absl::StatusOr<std::int64_t> RemoveVertices(std::int32_t keep,
                                             const std::vector<Eigen::Vector3d>& position,
                                             const std::vector<Eigen::Vector3d>& normal,
-                                            const RunControl& run, SampleMesh* mesh) {
+                                            Interrupt* interrupt, SampleMesh* mesh) {
   std::vector<std::int32_t> waiting;
   for (std::int32_t v = keep; v < mesh->vertex_count(); ++v) {
     if (mesh->outgoing[v] >= 0) waiting.push_back(v);
@@ -111,7 +109,7 @@ absl::StatusOr<std::int64_t> RemoveVertices(std::int32_t keep,
     std::size_t removed = 0;
     std::size_t skipped = 0;
     for (std::size_t i = 0; i < waiting.size(); ++i) {
-      if (i % kStopInterval == 0 && run.stop.stop_requested()) {
+      if (interrupt->RequestedAt(static_cast<std::int64_t>(i))) {
         return absl::CancelledError("stopped while the first triangulation was built");
       }
       const std::int32_t v = waiting[i];

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "absl/status/statusor.h"
-#include "core/sampling/run_control.h"
+#include "core/base/interrupt.h"
 #include "core/sampling/sample_mesh.h"
 
 namespace ccst {
@@ -17,10 +17,10 @@ namespace ccst {
 /// surface. Vertices that cannot go well wait for a later round with a lower demand.
 /// @param position, normal  per vertex. @param mesh  live triangles over all of them.
 /// @return how many vertices could not be removed; 0 unless `keep` is near the least the topology
-///         needs. @errors CANCELLED when `run` was stopped.
+///         needs. @errors CANCELLED when `interrupt` was requested.
 absl::StatusOr<std::int64_t> RemoveVertices(std::int32_t keep,
                                             const std::vector<Eigen::Vector3d>& position,
                                             const std::vector<Eigen::Vector3d>& normal,
-                                            const RunControl& run, SampleMesh* mesh);
+                                            Interrupt* interrupt, SampleMesh* mesh);
 
 }  // namespace ccst

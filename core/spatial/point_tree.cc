@@ -1,7 +1,9 @@
 #include "core/spatial/point_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 #include <nanoflann.hpp>
@@ -54,6 +56,18 @@ std::vector<std::int32_t> PointTree::Nearest(const Eigen::Vector3d& query, int c
     order[i] = {distances[i], static_cast<std::int32_t>(indices[i])};
   }
   std::sort(order.begin(), order.end());
+  if (found > wanted && wanted > 0 && order[wanted].first == order[wanted - 1].first) {
+    // Which of the points at this distance were found is the tree's choice: look at all of them.
+    const double bound =
+        std::nextafter(order[wanted].first, std::numeric_limits<double>::infinity());
+    std::vector<std::pair<std::uint32_t, double>> all;
+    index_->tree.radiusSearch(query.data(), bound, all, nanoflann::SearchParams());
+    order.clear();
+    for (const auto& [index, distance] : all) {
+      order.emplace_back(distance, static_cast<std::int32_t>(index));
+    }
+    std::sort(order.begin(), order.end());
+  }
   order.resize(std::min(order.size(), wanted));
   std::vector<std::int32_t> result;
   for (const auto& [distance, index] : order) result.push_back(index);

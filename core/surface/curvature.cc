@@ -22,10 +22,13 @@ Eigen::Vector3d RotateFromTo(const Eigen::Vector3d& x, const Eigen::Vector3d& fr
 
 std::vector<std::array<float, 6>> VertexShapeTensors(const std::vector<Eigen::Vector3d>& positions,
                                                      const std::vector<Eigen::Vector3i>& faces,
-                                                     const std::vector<Eigen::Vector3d>& normals) {
+                                                     const std::vector<Eigen::Vector3d>& normals,
+                                                     Interrupt* interrupt) {
   std::vector<std::array<double, 6>> sums(positions.size(), {0, 0, 0, 0, 0, 0});
   std::vector<double> weights(positions.size(), 0.0);
+  std::int64_t counter = 0;
   for (const Eigen::Vector3i& face : faces) {
+    if (interrupt->RequestedAt(counter++)) break;
     std::array<Eigen::Vector3d, 3> edge;
     for (int k = 0; k < 3; ++k) {
       edge[k] = positions[face[(k + 2) % 3]] - positions[face[(k + 1) % 3]];

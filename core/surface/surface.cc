@@ -26,6 +26,10 @@ absl::Status NotManifold(const std::string& message) {
   return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kMeshNotManifold, message);
 }
 
+absl::Status Interrupted() {
+  return absl::CancelledError("stopped while the surface was prepared");
+}
+
 std::string Describe(const Eigen::Vector3d& p) {
   return absl::StrCat("(", p.x(), ", ", p.y(), ", ", p.z(), ")");
 }
@@ -61,8 +65,9 @@ struct PositionHash {
 };
 
 /// Numbers the used vertices, equal positions once. @return V_in -> number or -1.
-std::vector<std::int32_t> MergeVertices(const TriangleMesh& mesh, std::int32_t* count,
-                                        std::int64_t* welded, std::int64_t* isolated) {
+std::vector<std::int32_t> MergeVertices(const TriangleMesh& mesh, Interrupt* interrupt,
+                                        std::int32_t* count, std::int64_t* welded,
+                                        std::int64_t* isolated) {
   std::vector<std::uint8_t> used(mesh.positions.size(), 0);
   for (const Eigen::Vector3i& face : mesh.faces) {
     for (int k = 0; k < 3; ++k) used[face[k]] = 1;
@@ -74,6 +79,7 @@ std::vector<std::int32_t> MergeVertices(const TriangleMesh& mesh, std::int32_t* 
   *welded = 0;
   *isolated = 0;
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    if (interrupt->RequestedAt(static_cast<std::int64_t>(i))) break;
     if (!used[i]) {
       ++*isolated;
       continue;
@@ -94,7 +100,9 @@ std::vector<std::int32_t> MergeVertices(const TriangleMesh& mesh, std::int32_t* 
 
 }  // namespace
 
-absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh) {
+absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh, Interrupt* interrupt) {
+  Interrupt never;
+  if (interrupt == nullptr) interrupt = &never;
   if (mesh.faces.empty()) {
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kMeshEmpty,
                      "the mesh has no faces; at least one of positive area is needed");
@@ -103,8 +111,9 @@ absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh) {
 
   Surface surface;
   std::int32_t count = 0;
-  const std::vector<std::int32_t> number =
-      MergeVertices(mesh, &count, &surface.welded_vertices_, &surface.isolated_vertices_);
+  const std::vector<std::int32_t> number = MergeVertices(
+      mesh, interrupt, &count, &surface.welded_vertices_, &surface.isolated_vertices_);
+  if (interrupt->Requested()) return Interrupted();
   std::vector<std::int32_t> original(count, -1);
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high = -low;
@@ -134,6 +143,7 @@ absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh) {
   surface.face_areas_.resize(mesh.faces.size());
   std::vector<Eigen::Vector3d> sums(count, Eigen::Vector3d::Zero());
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    if (interrupt->RequestedAt(static_cast<std::int64_t>(f))) return Interrupted();
     const Eigen::Vector3i& in = mesh.faces[f];
     const Eigen::Vector3i face(number[in[0]], number[in[1]], number[in[2]]);
     if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) {
@@ -152,8 +162,9 @@ absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh) {
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kMeshEmpty,
                      "no face has a positive area; all of them are points or line segments");
   }
-  CCST_RETURN_IF_ERROR(surface.Connect(original));
+  CCST_RETURN_IF_ERROR(surface.Connect(original, interrupt));
   CCST_RETURN_IF_ERROR(surface.CheckVertices(original));
+  if (interrupt->Requested()) return Interrupted();
   surface.FindComponentsAndLoops();
 
   surface.normals_.resize(count);
@@ -161,11 +172,14 @@ absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh) {
     const double norm = sums[i].norm();
     surface.normals_[i] = norm > 0.0 ? Eigen::Vector3d(sums[i] / norm) : Eigen::Vector3d::UnitZ();
   }
-  surface.shapes_ = VertexShapeTensors(surface.positions_, surface.faces_, surface.normals_);
+  surface.shapes_ =
+      VertexShapeTensors(surface.positions_, surface.faces_, surface.normals_, interrupt);
+  if (interrupt->Requested()) return Interrupted();
   return surface;
 }
 
-absl::Status Surface::Connect(const std::vector<std::int32_t>& original_vertex) {
+absl::Status Surface::Connect(const std::vector<std::int32_t>& original_vertex,
+                              Interrupt* interrupt) {
   const std::int32_t half_edges = 3 * face_count();
   twins_.assign(half_edges, -1);
   // Half-edges by their smaller vertex, as a compressed list.
@@ -177,6 +191,7 @@ absl::Status Surface::Connect(const std::vector<std::int32_t>& original_vertex) 
   for (std::int32_t h = 0; h < half_edges; ++h) list[fill[std::min(Origin(h), Target(h))]++] = h;
   const auto far_end = [&](std::int32_t h) { return std::max(Origin(h), Target(h)); };
   for (std::int32_t v = 0; v < vertex_count(); ++v) {
+    if (interrupt->RequestedAt(v)) return Interrupted();
     // Equal edges side by side, in the order of the faces.
     std::sort(list.begin() + start[v], list.begin() + start[v + 1],
               [&](std::int32_t a, std::int32_t b) {

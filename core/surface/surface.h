@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "absl/status/statusor.h"
+#include "core/base/interrupt.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace ccst {
@@ -36,9 +37,10 @@ class Surface {
   /// Checks `mesh` and derives normals and curvature.
   /// @errors INVALID_ARGUMENT MESH_DEGENERATE (non-finite coordinate, index out of range, a face
   ///         with a repeated vertex) | MESH_EMPTY (no face of positive area);
-  ///         FAILED_PRECONDITION MESH_NOT_MANIFOLD naming the edge or vertex.
+  ///         FAILED_PRECONDITION MESH_NOT_MANIFOLD naming the edge or vertex; CANCELLED when
+  ///         `interrupt` (may be null) was requested.
   /// Cost O(V + F).
-  static absl::StatusOr<Surface> Build(const TriangleMesh& mesh);
+  static absl::StatusOr<Surface> Build(const TriangleMesh& mesh, Interrupt* interrupt = nullptr);
 
   std::int32_t vertex_count() const { return static_cast<std::int32_t>(positions_.size()); }
   std::int32_t face_count() const { return static_cast<std::int32_t>(faces_.size()); }
@@ -97,7 +99,7 @@ class Surface {
 
  private:
   Surface() = default;
-  absl::Status Connect(const std::vector<std::int32_t>& original_vertex);
+  absl::Status Connect(const std::vector<std::int32_t>& original_vertex, Interrupt* interrupt);
   absl::Status CheckVertices(const std::vector<std::int32_t>& original_vertex);
   void FindComponentsAndLoops();
 

@@ -4,7 +4,7 @@ include_guard(GLOBAL)
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
-set(core_targets base mesh random spatial surface sampling)
+set(core_targets base mesh random spatial surface quality sampling)
 list(TRANSFORM core_targets PREPEND ccst_ OUTPUT_VARIABLE targets)
 foreach(name IN LISTS core_targets)
   set_target_properties(ccst_${name} PROPERTIES EXPORT_NAME ${name})

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace ccst::repair {
+
+/// Per position the smallest index of those it is joined with (itself when alone). Positions not
+/// `used` stay alone. With `tolerance` = 0 equal positions are joined; else, in order of index,
+/// each joins the first leader at most `tolerance` away or becomes one. So nothing moves farther
+/// than the tolerance, and leaders stay farther apart than it.
+/// @param positions finite. @param tolerance [their unit], >= 0, finite.
+/// Cost O(V log V).
+std::vector<std::int32_t> WeldLeaders(const std::vector<Eigen::Vector3d>& positions,
+                                      const std::vector<std::uint8_t>& used, double tolerance);
+
+}  // namespace ccst::repair
