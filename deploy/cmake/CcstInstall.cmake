@@ -4,9 +4,13 @@ include_guard(GLOBAL)
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
-set(core_targets base mesh random spatial surface quality sampling)
-list(TRANSFORM core_targets PREPEND ccst_ OUTPUT_VARIABLE targets)
-foreach(name IN LISTS core_targets)
+# Sampling and every room it may link.
+set(targets)
+foreach(name IN ITEMS base random parallel mesh spatial surface repair density quality sampling)
+  if(NOT TARGET ccst_${name})
+    continue()
+  endif()
+  list(APPEND targets ccst_${name})
   set_target_properties(ccst_${name} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(ccst_${name} INTERFACE
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/ccst>")
