@@ -61,8 +61,12 @@ void JoinEqual(const std::vector<Eigen::Vector3d>& positions,
 class LeaderGrid {
  public:
   LeaderGrid(const std::vector<Eigen::Vector3d>& positions, const Eigen::Vector3d& low,
-             double tolerance)
-      : positions_(positions), low_(low), tolerance_(tolerance), next_(positions.size(), -1) {}
+             double extent, double tolerance)
+      : positions_(positions),
+        low_(low),
+        tolerance_(tolerance),
+        half_width_(std::max(tolerance, 1e-300 * extent)),  // Keeps cell numbers finite.
+        next_(positions.size(), -1) {}
 
   /// Smallest-index leader near position `i`, -1 when there is none.
   std::int32_t FindNear(std::int32_t i) const {
@@ -99,13 +103,14 @@ class LeaderGrid {
 
  private:
   Eigen::Vector3d Cell(const Eigen::Vector3d& p) const {
-    // 0.5 is divided first so that no tolerance overflows; adding zero removes -0.
-    return (0.5 * p / tolerance_).array().floor() + 0.0;
+    // Halving first keeps large tolerances from overflowing; adding zero removes -0.
+    return (0.5 * p / half_width_).array().floor() + 0.0;
   }
 
   const std::vector<Eigen::Vector3d>& positions_;
   Eigen::Vector3d low_;
   double tolerance_;
+  double half_width_;
   std::unordered_map<std::array<double, 3>, std::int32_t, CellHash> first_;
   std::vector<std::int32_t> next_;
 };
@@ -120,10 +125,13 @@ std::vector<std::int32_t> WeldLeaders(const std::vector<Eigen::Vector3d>& positi
   if (!(tolerance > 0.0)) return leaders;
 
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = -low;
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (used[i]) low = low.cwiseMin(positions[i]);
+    if (!used[i]) continue;
+    low = low.cwiseMin(positions[i]);
+    high = high.cwiseMax(positions[i]);
   }
-  LeaderGrid grid(positions, low, tolerance);
+  LeaderGrid grid(positions, low, (high - low).maxCoeff(), tolerance);
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const auto vertex = static_cast<std::int32_t>(i);
     if (!used[i]) continue;

@@ -15,7 +15,8 @@
 namespace ccst {
 namespace {
 
-/// Relocation in the first alternations, when samples still crowd and triangles still turn over.
+/// Relocation after every second of the first alternations, when samples still crowd and triangles
+/// still turn over.
 constexpr int kEarlyAlternations = 8;
 constexpr DefectLimits kEarlyLimits = {};
 
@@ -60,6 +61,7 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
   GeometryPhase geometry(&surface, &plan, options.energy, mesh, samples);
   EdgeFlips flips(mesh, &samples->position, &samples->normal);
   const Coverage coverage(&surface, &plan);
+  Projection projection(&surface, 0.5 * plan.spacing);
 
   AlternationReport state;
   state.alternation_limit = options.max_iterations;
@@ -116,7 +118,8 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
   };
   const auto relocate = [&](const std::vector<Defect>& crowded,
                             const std::vector<UncoveredPlace>& uncovered) {
-    state.relocations = Relocate(crowded, uncovered, surface, &geometry, &flips, mesh, samples);
+    state.relocations =
+        Relocate(crowded, uncovered, surface, &projection, &geometry, &flips, mesh, samples);
     if (state.relocations > 0) history.clear();
   };
 
@@ -143,7 +146,7 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
     state.relocations = 0;
     bool done = false;
     if (result.alternations <= kEarlyAlternations) {
-      relocate(find_everywhere(kEarlyLimits), {});
+      if (result.alternations % 2 == 0) relocate(find_everywhere(kEarlyLimits), {});
     } else if (result.alternations == kFirstMend || result.alternations == kSecondMend) {
       relocate(find_everywhere(kMendLimits), coverage.FindUncovered(*mesh, *samples, kUncovered));
     } else if (result.alternations > kSecondMend && converged()) {

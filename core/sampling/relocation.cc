@@ -174,9 +174,10 @@ namespace {
 /// One call of Relocate().
 class Relocation {
  public:
-  Relocation(const Surface& surface, GeometryPhase* geometry, EdgeFlips* flips, SampleMesh* mesh,
-             Samples* samples)
+  Relocation(const Surface& surface, Projection* projection, GeometryPhase* geometry,
+             EdgeFlips* flips, SampleMesh* mesh, Samples* samples)
       : surface_(surface),
+        projection_(*projection),
         geometry_(*geometry),
         flips_(*flips),
         mesh_(*mesh),
@@ -256,23 +257,17 @@ class Relocation {
     geometry_.Activate(v);
   }
 
-  /// The surface under the centre of triangle `t`, reached from the host of one of its corners.
-  SurfacePoint Center(std::int32_t t) const {
+  /// The surface under the centre of triangle `t`.
+  SurfacePoint Center(std::int32_t t) {
     const std::int32_t* corner = &mesh_.origin[3 * t];
     const Eigen::Vector3d center = (samples_.position[corner[0]] + samples_.position[corner[1]] +
                                     samples_.position[corner[2]]) /
                                    3.0;
-    SurfacePoint best;
-    double least = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < 3; ++k) {
-      const SurfacePoint point = surface_.Follow(samples_.face[corner[k]], center);
-      const double distance = (point.position - center).squaredNorm();
-      if (distance < least) {
-        best = point;
-        least = distance;
-      }
-    }
-    return best;
+    const Eigen::Vector3d normal =
+        (samples_.normal[corner[0]] + samples_.normal[corner[1]] + samples_.normal[corner[2]])
+            .normalized();
+    const double edge = (samples_.position[corner[1]] - samples_.position[corner[0]]).norm();
+    return projection_.Project(samples_.face[corner[0]], center, normal, 0.25 * edge);
   }
 
  private:
@@ -291,6 +286,7 @@ class Relocation {
   }
 
   const Surface& surface_;
+  Projection& projection_;
   GeometryPhase& geometry_;
   EdgeFlips& flips_;
   SampleMesh& mesh_;
@@ -313,10 +309,10 @@ SurfacePoint AtVertex(const Surface& surface, std::int32_t vertex) {
 
 std::int64_t Relocate(const std::vector<Defect>& defects,
                       const std::vector<UncoveredPlace>& uncovered, const Surface& surface,
-                      GeometryPhase* geometry, EdgeFlips* flips, SampleMesh* mesh,
-                      Samples* samples) {
+                      Projection* projection, GeometryPhase* geometry, EdgeFlips* flips,
+                      SampleMesh* mesh, Samples* samples) {
   if (defects.empty() && uncovered.empty()) return 0;
-  Relocation relocation(surface, geometry, flips, mesh, samples);
+  Relocation relocation(surface, projection, geometry, flips, mesh, samples);
   std::vector<std::int32_t> crowded;
   for (const Defect& defect : defects) crowded.push_back(defect.sample);
   for (const std::int32_t v : crowded) relocation.Reserve(v);

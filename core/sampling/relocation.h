@@ -10,6 +10,7 @@
 #include "core/sampling/plan.h"
 #include "core/sampling/sample_mesh.h"
 #include "core/sampling/samples.h"
+#include "core/surface/projection.h"
 #include "core/surface/surface.h"
 
 namespace ccst {
@@ -49,7 +50,7 @@ std::vector<Defect> FindDefects(const Surface& surface, const Plan& plan, const 
 /// the samples with the least room go too. @return how many moved.
 std::int64_t Relocate(const std::vector<Defect>& defects,
                       const std::vector<UncoveredPlace>& uncovered, const Surface& surface,
-                      GeometryPhase* geometry, EdgeFlips* flips, SampleMesh* mesh,
-                      Samples* samples);
+                      Projection* projection, GeometryPhase* geometry, EdgeFlips* flips,
+                      SampleMesh* mesh, Samples* samples);
 
 }  // namespace ccst

@@ -1,0 +1,64 @@
+#include "core/repair/fans.h"
+
+#include <utility>
+
+#include "core/repair/disjoint_sets.h"
+
+namespace ccst::repair {
+namespace {
+
+/// The fan of every corner, dense from 0 in order of first use. @return how many there are.
+std::int32_t NumberFans(const LinkedFaces& linked, std::vector<Eigen::Vector3i>* fans) {
+  const std::int32_t corners = 3 * linked.count();
+  DisjointSets sets(corners);
+  const auto next = [](std::int32_t s) { return s - s % 3 + (s % 3 + 1) % 3; };
+  for (std::int32_t s = 0; s < corners; ++s) {
+    const std::int32_t other = linked.links[s];
+    if (other < s) continue;
+    const bool opposite = linked.Origin(s) != linked.Origin(other);
+    sets.Unite(s, opposite ? next(other) : other);
+    sets.Unite(next(s), opposite ? other : next(other));
+  }
+  fans->resize(linked.faces.size());
+  std::int32_t count = 0;
+  for (std::int32_t s = 0; s < corners; ++s) {
+    // The smallest corner stands for its set, so it is numbered before the others.
+    const std::int32_t root = sets.Find(s);
+    (*fans)[s / 3][s % 3] = root == s ? count++ : (*fans)[root / 3][root % 3];
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<std::int32_t> SplitFans(LinkedFaces* linked) {
+  std::vector<Eigen::Vector3i> fans;
+  std::int32_t count = NumberFans(*linked, &fans);
+  if (count == 0) return {};
+  // Two surfaces that cross at one edge may be joined crosswise there and stay joined around both
+  // ends. Then one pair of vertices would stand for two edges, which an index list cannot say.
+  // Undoing those links splits at least one end of each, or gives every slot its own partner, and
+  // makes no other edge crowded, because fans only become smaller.
+  bool undone = false;
+  std::vector<Eigen::Vector3i> whole = std::exchange(linked->faces, fans);
+  ForEachEdge(*linked, count, [&](std::span<const std::int32_t> slots) {
+    if (slots.size() <= 2) return;
+    for (const std::int32_t s : slots) linked->Unlink(s);
+    undone = true;
+  });
+  if (undone) {
+    linked->faces = whole;
+    count = NumberFans(*linked, &fans);
+    linked->faces = fans;
+  }
+  std::vector<std::int32_t> vertices(count, -1);
+  for (std::size_t f = 0; f < fans.size(); ++f) {
+    for (int k = 0; k < 3; ++k) vertices[fans[f][k]] = whole[f][k];
+  }
+  ForEachEdge(*linked, count, [&](std::span<const std::int32_t> slots) {
+    if (slots.size() == 2) linked->Link(slots[0], slots[1]);
+  });
+  return vertices;
+}
+
+}  // namespace ccst::repair
