@@ -1,8 +1,10 @@
 #include "client/cli/flags.h"
 
 #include <algorithm>
-#include <map>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -15,13 +17,36 @@ namespace {
 
 constexpr char kDefaultServer[] = "localhost:50051";
 
-const std::map<std::string, Energy> kEnergies = {{"target", Energy::kTarget},
-                                                 {"squared-area", Energy::kSquaredArea}};
-const std::map<std::string, ProgressStyle> kProgressStyles = {{"auto", ProgressStyle::kAuto},
-                                                              {"bar", ProgressStyle::kBar},
-                                                              {"lines", ProgressStyle::kLines},
-                                                              {"json", ProgressStyle::kJson},
-                                                              {"none", ProgressStyle::kNone}};
+// Names as on the command line; the first is the default.
+const std::vector<std::pair<std::string, Energy>> kEnergies = {
+    {"target", Energy::kTarget}, {"squared-area", Energy::kSquaredArea}};
+const std::vector<std::pair<std::string, ProgressStyle>> kProgressStyles = {
+    {"auto", ProgressStyle::kAuto},
+    {"bar", ProgressStyle::kBar},
+    {"lines", ProgressStyle::kLines},
+    {"json", ProgressStyle::kJson},
+    {"none", ProgressStyle::kNone}};
+
+// Adds a flag that takes one of `names`; CLI11's own transformers would also take the numbers.
+template <typename T>
+void AddChoice(CLI::App& app, const std::string& flag,
+               const std::vector<std::pair<std::string, T>>& names, T& value,
+               const std::string& help) {
+  value = names.front().second;
+  const auto assign = [&names, &value, flag](const std::string& text) {
+    for (const auto& [name, meaning] : names) {
+      if (name != text) continue;
+      value = meaning;
+      return;
+    }
+    std::string choices;
+    for (const auto& [name, meaning] : names) choices += (choices.empty() ? "" : ", ") + name;
+    throw CLI::ValidationError(flag, "'" + text + "' is none of " + choices);
+  };
+  app.add_option_function<std::string>(flag, assign, help)
+      ->type_name("NAME")
+      ->default_str(names.front().first);
+}
 
 // Flags as given, before they are made one command.
 struct Flags {
@@ -32,49 +57,62 @@ struct Flags {
   std::optional<int> threads;
 };
 
+void AddServer(CLI::App& app, Flags& flags) {
+  app.add_option("--server", flags.server,
+                 "Server that computes; else $CCST_SERVER, else localhost:50051")
+      ->type_name("HOST:PORT");
+}
+
 CLI::App* AddSample(CLI::App& app, Flags& flags) {
   CLI::App* sub = app.add_subcommand("sample", "Put blue-noise samples on a mesh");
   SampleCommand& c = flags.sample;
   sub->add_option("MESH", c.mesh, "Mesh to sample: .obj .ply .stl .off .drc, - for standard input")
+      ->type_name("")
       ->required();
-  sub->add_option("-n,--count", c.options.sample_count, "How many samples")->required();
+  sub->add_option("-n,--count", c.options.sample_count, "How many samples")
+      ->type_name("N")
+      ->required();
   sub->add_option("-o,--output", c.samples_path,
-                  "Write the samples: .ply .csv .xyz .obj .drc, - for CSV on standard output");
+                  "Write the samples: .ply .csv .xyz .obj .drc, - for CSV on standard output")
+      ->type_name("FILE");
   sub->add_option("--mesh-output", c.mesh_path,
-                  "Write the sample mesh: .obj .ply .stl .off .glb .drc, - for OBJ");
-  sub->add_option("--picture", c.picture_path, "Draw samples and sample mesh: .png");
-  sub->add_option("--summary", c.summary_path, "Write what came out as JSON");
+                  "Write the sample mesh: .obj .ply .stl .off .glb .drc, - for OBJ")
+      ->type_name("FILE");
+  sub->add_option("--picture", c.picture_path, "Draw samples and sample mesh: .png")
+      ->type_name("FILE");
+  sub->add_option("--summary", c.summary_path, "Write what came out as JSON")->type_name("FILE");
   sub->add_option("--seed", c.options.seed, "Other seeds give other, equally good samples")
+      ->type_name("S")
       ->capture_default_str();
-  sub->add_option("--energy", c.options.energy,
-                  "What is minimised: target, or squared-area as printed in the paper")
-      ->transform(CLI::CheckedTransformer(kEnergies))
-      ->default_str("target");
+  AddChoice(*sub, "--energy", kEnergies, c.options.energy,
+            "What is minimised: target, or squared-area as printed in the paper");
   sub->add_option("--max-iterations", c.options.max_iterations, "Most alternations")
+      ->type_name("K")
       ->capture_default_str();
   sub->add_option("--tolerance", c.options.relative_tolerance,
                   "Stop when the capacities' variation improves by less than this share")
+      ->type_name("T")
       ->capture_default_str();
   sub->add_option("--time-limit", c.options.time_limit_seconds,
-                  "Seconds after which the run returns what it has");
-  sub->add_option("--server", flags.server,
-                  "HOST:PORT of the server; else $CCST_SERVER, else localhost:50051");
+                  "Seconds after which the run returns what it has")
+      ->type_name("SECONDS");
+  AddServer(*sub, flags);
   sub->add_flag("--local", flags.local, "Compute in this process; gives the same samples");
   sub->add_option("--threads", flags.threads, "Threads of a local run; by default all cores")
-      ->check(CLI::Range(1, 1024));
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024).description(""));
   sub->add_option("--quantization-bits", c.quantization_bits,
-                  "Send coordinates with so many bits: smaller uploads, moved vertices")
-      ->check(CLI::Range(1, 30));
-  sub->add_option("--progress", c.progress, "auto, bar, lines, json or none, on standard error")
-      ->transform(CLI::CheckedTransformer(kProgressStyles))
-      ->default_str("auto");
+                  "Send coordinates with N bits, 1 to 30: smaller uploads, moved vertices")
+      ->type_name("N")
+      ->check(CLI::Range(1, 30).description(""));
+  AddChoice(*sub, "--progress", kProgressStyles, c.progress,
+            "auto, bar, lines, json or none, on standard error");
   return sub;
 }
 
 CLI::App* AddInfo(CLI::App& app, Flags& flags) {
   CLI::App* sub = app.add_subcommand("info", "Show a server's version, limits and load");
-  sub->add_option("--server", flags.server,
-                  "HOST:PORT of the server; else $CCST_SERVER, else localhost:50051");
+  AddServer(*sub, flags);
   sub->add_flag("--json", flags.info.json, "Print one JSON object");
   return sub;
 }
@@ -106,6 +144,9 @@ Command ParseCommandLine(int argc, const char* const* argv, const char* environm
   app.set_version_flag("--version", "ccst " + std::string(ProjectVersion()) + " (" +
                                         std::string(SourceRevision()) + ")");
   app.require_subcommand(1);
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return "ccst: " + std::string(error.what()) + "\nccst sample --help says what is right\n";
+  });
   const CLI::App* sample = AddSample(app, flags);
   AddInfo(app, flags);
   try {

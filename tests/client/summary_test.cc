@@ -1,0 +1,93 @@
+#include "client/cli/summary.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace ccst::cli {
+namespace {
+
+using ::testing::HasSubstr;
+
+SampleOutcome Outcome() {
+  SampleOutcome outcome;
+  outcome.result.samples.positions.resize(12);
+  outcome.result.samples.triangles.resize(20);
+  outcome.result.termination = Termination::kTimeLimit;
+  outcome.result.alternations = 9;
+  outcome.result.passes = 11;
+  outcome.result.energy = 0.5;
+  outcome.result.capacity_cv = 0.25;
+  outcome.result.relative_radius = 0.7;
+  outcome.result.surface = {.vertices = 8,
+                            .faces = 12,
+                            .area = 24.0,
+                            .diagonal = 3.5,
+                            .components = 1,
+                            .boundary_loops = 2,
+                            .euler = 0,
+                            .closed_loops = 3,
+                            .welded_vertices = 4,
+                            .isolated_vertices = 5};
+  outcome.record.samples_sha256 = "abc";
+  outcome.record.decode_seconds = 0.5;
+  outcome.record.total_seconds = 1.5;
+  outcome.job_name = "jobs/7";
+  return outcome;
+}
+
+SampleCommand Remote() {
+  SampleCommand command;
+  command.options.seed = 18446744073709551615U;
+  command.server = "here:1";
+  return command;
+}
+
+TEST(Summary, HasTheKeysOfTheContract) {
+  const auto json = nlohmann::json::parse(SummaryJson(Remote(), Outcome()));
+  EXPECT_EQ(json.at("count"), 12);
+  EXPECT_EQ(json.at("seed"), 18446744073709551615U);
+  EXPECT_EQ(json.at("method"), "ccst");
+  EXPECT_EQ(json.at("converged"), false);
+  EXPECT_EQ(json.at("termination"), "time_limit");
+  EXPECT_EQ(json.at("alternations"), 9);
+  EXPECT_EQ(json.at("passes"), 11);
+  EXPECT_EQ(json.at("energy"), 0.5);
+  EXPECT_EQ(json.at("capacity_cv"), 0.25);
+  EXPECT_EQ(json.at("relative_radius"), 0.7);
+  EXPECT_EQ(json.at("samples_digest"), "abc");
+  const auto& surface = json.at("surface");
+  EXPECT_EQ(surface.at("vertices"), 8);
+  EXPECT_EQ(surface.at("faces"), 12);
+  EXPECT_EQ(surface.at("area"), 24.0);
+  EXPECT_EQ(surface.at("components"), 1);
+  EXPECT_EQ(surface.at("boundary_loops"), 2);
+  EXPECT_EQ(surface.at("euler"), 0);
+  EXPECT_EQ(surface.at("repairs").at("welded_vertices"), 4);
+  EXPECT_EQ(surface.at("repairs").at("isolated_vertices"), 5);
+  EXPECT_EQ(surface.at("repairs").at("closed_loops"), 3);
+  for (const char* key : {"decode", "prepare", "initialise", "optimise", "total"}) {
+    EXPECT_TRUE(json.at("seconds").at(key).is_number()) << key;
+  }
+  EXPECT_EQ(json.at("job"), "jobs/7");
+  EXPECT_EQ(json.at("server"), "here:1");
+}
+
+TEST(Summary, LocalRunsHaveNoJobAndNoServer) {
+  SampleOutcome outcome = Outcome();
+  outcome.job_name.clear();
+  const auto json = nlohmann::json::parse(SummaryJson(SampleCommand(), outcome));
+  EXPECT_TRUE(json.at("job").is_null());
+  EXPECT_TRUE(json.at("server").is_null());
+}
+
+TEST(Summary, TextNamesTheFigures) {
+  const std::string text = SummaryText(Remote(), Outcome());
+  for (const char* part :
+       {"12 samples", "20 triangles", "here:1", "time limit", "25.00 %", "0.700"}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
+}
+
+}  // namespace
+}  // namespace ccst::cli
