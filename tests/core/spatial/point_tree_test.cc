@@ -1,0 +1,98 @@
+#include "core/spatial/point_tree.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/random/random.h"
+
+namespace ccst {
+namespace {
+
+std::vector<std::int32_t> NearestByHand(const std::vector<Eigen::Vector3d>& points,
+                                        const Eigen::Vector3d& query, std::size_t count) {
+  std::vector<std::pair<double, std::int32_t>> order;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    order.emplace_back((points[i] - query).squaredNorm(), static_cast<std::int32_t>(i));
+  }
+  std::sort(order.begin(), order.end());
+  order.resize(std::min(order.size(), count));
+  std::vector<std::int32_t> nearest;
+  for (const auto& [distance, index] : order) nearest.push_back(index);
+  return nearest;
+}
+
+std::vector<Eigen::Vector3d> RandomPoints(int count) {
+  const CounterRandom random(1, 1);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < count; ++i) {
+    points.emplace_back(random.Uniform(3 * i), random.Uniform(3 * i + 1),
+                        random.Uniform(3 * i + 2));
+  }
+  return points;
+}
+
+TEST(PointTree, AgreesWithBruteForce) {
+  const std::vector<Eigen::Vector3d> points = RandomPoints(1000);
+  const PointTree tree(points);
+  const CounterRandom random(2, 1);
+  for (int q = 0; q < 200; ++q) {
+    const Eigen::Vector3d query(3.0 * random.Uniform(3 * q) - 1.0, random.Uniform(3 * q + 1),
+                                random.Uniform(3 * q + 2));
+    for (const int count : {1, 2, 7, 40}) {
+      ASSERT_EQ(tree.Nearest(query, count), NearestByHand(points, query, count));
+    }
+  }
+}
+
+TEST(PointTree, DoublePointsComeByIndex) {
+  std::vector<Eigen::Vector3d> points = RandomPoints(100);
+  points.insert(points.end(), points.begin(), points.end());
+  const PointTree tree(points);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(tree.Nearest(points[i], 2), (std::vector<std::int32_t>{i, i + 100}));
+    EXPECT_EQ(tree.Nearest(points[i], 1), std::vector<std::int32_t>{i});
+  }
+}
+
+// On a lattice many points are equally far: whichever the count cuts off, indices decide.
+TEST(PointTree, ManyEqualDistancesAreBrokenByIndex) {
+  std::vector<Eigen::Vector3d> points;
+  for (int x = 0; x < 8; ++x) {
+    for (int y = 0; y < 8; ++y) {
+      for (int z = 0; z < 8; ++z) points.emplace_back(x, y, z);
+    }
+  }
+  // Indices must not agree with the order in space.
+  const CounterRandom random(3, 1);
+  for (std::size_t i = points.size() - 1; i > 0; --i) {
+    std::swap(points[i], points[random.Bits(i) % (i + 1)]);
+  }
+  const PointTree tree(points);
+  for (const Eigen::Vector3d& query :
+       {Eigen::Vector3d(3, 3, 3), Eigen::Vector3d(3.5, 3.5, 3.5), Eigen::Vector3d(3.5, 4, 4),
+        Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(-5, 3.5, 3.5)}) {
+    for (int count = 1; count <= 40; ++count) {
+      ASSERT_EQ(tree.Nearest(query, count), NearestByHand(points, query, count))
+          << query.transpose() << ", count " << count;
+    }
+  }
+}
+
+TEST(PointTree, FewerPointsThanAskedForAreAllReturned) {
+  const std::vector<Eigen::Vector3d> points = {{0, 0, 0}, {2, 0, 0}, {1, 0, 0}};
+  const PointTree tree(points);
+  EXPECT_EQ(tree.Nearest({0, 0, 0}, 10), (std::vector<std::int32_t>{0, 2, 1}));
+  EXPECT_TRUE(tree.Nearest({0, 0, 0}, 0).empty());
+}
+
+TEST(PointTree, EmptyTreeFindsNothing) {
+  const std::vector<Eigen::Vector3d> none;
+  EXPECT_TRUE(PointTree(none).Nearest({0, 0, 0}, 3).empty());
+}
+
+}  // namespace
+}  // namespace ccst

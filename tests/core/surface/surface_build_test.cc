@@ -1,0 +1,179 @@
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/status.h"
+#include "core/surface/surface.h"
+#include "tests/support/shapes.h"
+
+namespace ccst {
+namespace {
+
+using testing::AllOf;
+using testing::AnyOf;
+using testing::HasSubstr;
+
+// Builds `mesh`, which must be refused. @return the message.
+std::string Refusal(const TriangleMesh& mesh, absl::StatusCode code, ErrorReason reason) {
+  const absl::Status status = Surface::Build(mesh).status();
+  EXPECT_EQ(status.code(), code) << status;
+  EXPECT_EQ(GetErrorReason(status), reason) << status;
+  return std::string(status.message());
+}
+
+std::string Degenerate(const TriangleMesh& mesh) {
+  return Refusal(mesh, absl::StatusCode::kInvalidArgument, ErrorReason::kMeshDegenerate);
+}
+std::string Empty(const TriangleMesh& mesh) {
+  return Refusal(mesh, absl::StatusCode::kInvalidArgument, ErrorReason::kMeshEmpty);
+}
+std::string NotManifold(const TriangleMesh& mesh) {
+  return Refusal(mesh, absl::StatusCode::kFailedPrecondition, ErrorReason::kMeshNotManifold);
+}
+
+TEST(SurfaceBuild, NonFiniteCoordinateIsNamed) {
+  for (const double bad : {std::numeric_limits<double>::infinity(),
+                           -std::numeric_limits<double>::infinity(), std::nan("")}) {
+    TriangleMesh mesh = shapes::Icosphere(1);
+    mesh.positions[17].y() = bad;
+    EXPECT_THAT(Degenerate(mesh), AllOf(HasSubstr("vertex 17"), HasSubstr("not finite")));
+  }
+}
+
+TEST(SurfaceBuild, IndexOutOfRangeIsNamed) {
+  for (const int bad : {-1, 42, 2147483647}) {
+    TriangleMesh mesh = shapes::Icosphere(1);
+    mesh.faces[33][2] = bad;
+    EXPECT_THAT(Degenerate(mesh),
+                AllOf(HasSubstr("face 33"), HasSubstr(std::to_string(bad)), HasSubstr("0 to 41")));
+  }
+}
+
+TEST(SurfaceBuild, RepeatedVertexIsNamed) {
+  TriangleMesh mesh = shapes::Icosphere(1);
+  mesh.faces[12][1] = mesh.faces[12][0];
+  EXPECT_THAT(Degenerate(mesh), HasSubstr("face 12"));
+}
+
+TEST(SurfaceBuild, RepeatedPositionInAFaceIsNamed) {
+  TriangleMesh mesh = shapes::SingleTriangle();
+  mesh.positions.push_back(mesh.positions[0]);
+  mesh.faces.emplace_back(0, 3, 1);
+  EXPECT_THAT(Degenerate(mesh), HasSubstr("face 1 (0, 3, 1)"));
+}
+
+TEST(SurfaceBuild, MeshWithoutFacesIsEmpty) {
+  EXPECT_THAT(Empty({}), HasSubstr("no faces"));
+  EXPECT_THAT(Empty({{{0, 0, 0}, {1, 0, 0}}, {}}), HasSubstr("no faces"));
+}
+
+TEST(SurfaceBuild, MeshWithoutAreaIsEmpty) {
+  const TriangleMesh line = {{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 1, 2}}};
+  EXPECT_THAT(Empty(line), HasSubstr("area"));
+}
+
+TEST(SurfaceBuild, EdgeOfThreeFacesIsNamed) {
+  EXPECT_THAT(NotManifold(shapes::ThreeFins()),
+              AllOf(HasSubstr("the edge between vertices 0 and 1"), HasSubstr("near ("),
+                    HasSubstr("faces (")));
+}
+
+TEST(SurfaceBuild, VertexOfTwoFansIsNamed) {
+  EXPECT_THAT(NotManifold(shapes::TetrahedraSharingVertex()),
+              AllOf(HasSubstr("vertex 0 at"), HasSubstr("6 faces"), HasSubstr("only 3")));
+}
+
+TEST(SurfaceBuild, FlippedNeighbourIsNamed) {
+  const TriangleMesh mesh = shapes::WithFlippedFace(shapes::Icosphere(1), 40);
+  EXPECT_THAT(NotManifold(mesh), AllOf(HasSubstr("same direction"), HasSubstr("40")));
+}
+
+TEST(SurfaceBuild, DuplicateFaceIsRefused) {
+  TriangleMesh mesh = shapes::SingleTriangle();
+  mesh.faces.push_back(mesh.faces[0]);
+  EXPECT_THAT(NotManifold(mesh), HasSubstr("faces 0 and 1"));
+}
+
+TEST(SurfaceBuild, MoebiusStripIsRefused) {
+  EXPECT_THAT(NotManifold(shapes::MoebiusStrip(20, 3)), HasSubstr("same direction"));
+}
+
+TEST(SurfaceBuild, CulpritsAreNamedByTheInputsIndices) {
+  // Isolated vertices and unwelded corners renumber the vertices inside.
+  const TriangleMesh fins = shapes::WithIsolatedVertices(shapes::Unwelded(shapes::ThreeFins()), 5);
+  EXPECT_THAT(NotManifold(fins),
+              AnyOf(HasSubstr("vertices 5 and 6"), HasSubstr("vertices 6 and 5")));
+}
+
+TEST(SurfaceBuild, EqualPositionsAreWeldedAndCounted) {
+  const TriangleMesh mesh = shapes::Icosphere(2);
+  const absl::StatusOr<Surface> surface = Surface::Build(shapes::Unwelded(mesh));
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  EXPECT_EQ(surface->vertex_count(), static_cast<int>(mesh.positions.size()));
+  EXPECT_EQ(surface->welded_vertices(),
+            static_cast<std::int64_t>(3 * mesh.faces.size() - mesh.positions.size()));
+  EXPECT_TRUE(surface->boundary_loops().empty());
+}
+
+TEST(SurfaceBuild, NegativeZeroIsWeldedWithZero) {
+  TriangleMesh mesh = shapes::Unwelded(shapes::PlaneGrid(1, 1, 1, 1));
+  for (std::size_t i = 0; i < 3; ++i) mesh.positions[i].z() = -0.0;
+  const absl::StatusOr<Surface> surface = Surface::Build(mesh);
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  EXPECT_EQ(surface->vertex_count(), 4);
+  EXPECT_EQ(surface->welded_vertices(), 2);
+}
+
+TEST(SurfaceBuild, IsolatedVerticesAreCountedAndDoNotCountForTheBox) {
+  TriangleMesh mesh = shapes::WithIsolatedVertices(shapes::Tetrahedron(), 7);
+  mesh.positions[0] = {1e9, 0, 0};
+  const absl::StatusOr<Surface> surface = Surface::Build(mesh);
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  EXPECT_EQ(surface->isolated_vertices(), 7);
+  EXPECT_EQ(surface->welded_vertices(), 0);
+  EXPECT_EQ(surface->vertex_count(), 4);
+  EXPECT_NEAR(surface->diagonal() * surface->unit(), 2.0 * std::sqrt(3.0), 1e-12);
+}
+
+class SurfaceScale : public testing::TestWithParam<double> {};
+
+TEST_P(SurfaceScale, UnitFrameIsTheSameAtEveryScale) {
+  const double scale = GetParam();
+  const TriangleMesh mesh = shapes::Torus(1.0, 0.35, 20, 12);
+  const Surface base = *Surface::Build(mesh);
+  const absl::StatusOr<Surface> scaled = Surface::Build(shapes::Moved(mesh, {0, 0, 0}, scale));
+  ASSERT_TRUE(scaled.ok()) << scaled.status();
+  // The unit is a power of two, so the unit frames agree up to a factor of two.
+  const double ratio = scaled->diagonal() / base.diagonal();
+  EXPECT_GT(ratio, 0.49);
+  EXPECT_LT(ratio, 2.01);
+  EXPECT_EQ(std::exp2(std::round(std::log2(scaled->unit()))), scaled->unit());
+  const double longest = 2.7 * scale / scaled->unit();
+  EXPECT_GE(longest, 0.5 - 1e-12);
+  EXPECT_LT(longest, 1.0 + 1e-12);
+  for (int v = 0; v < base.vertex_count(); ++v) {
+    EXPECT_LT((scaled->normals()[v] - base.normals()[v]).norm(), 1e-9);
+    EXPECT_LT((scaled->ToMesh(scaled->positions()[v]) / scale - mesh.positions[v]).norm(), 1e-12);
+  }
+  EXPECT_NEAR(scaled->area() / (ratio * ratio), base.area(), 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(, SurfaceScale, testing::Values(1e-30, 1e-12, 1.0, 3.0, 1e12, 1e30));
+
+TEST(SurfaceBuild, LargeOffsetKeepsWhatTheCoordinatesHold) {
+  const Eigen::Vector3d offset(1e7, -1e7, 1e7);
+  const TriangleMesh mesh = shapes::Moved(shapes::Icosphere(2), offset);
+  const absl::StatusOr<Surface> surface = Surface::Build(mesh);
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  for (int v = 0; v < surface->vertex_count(); ++v) {
+    EXPECT_LT((surface->ToMesh(surface->positions()[v]) - mesh.positions[v]).norm(), 1e-8);
+    EXPECT_LT((surface->normals()[v] - (mesh.positions[v] - offset).normalized()).norm(), 0.03);
+  }
+}
+
+}  // namespace
+}  // namespace ccst
