@@ -83,6 +83,12 @@ CLI::App* AddSample(CLI::App& app, Flags& flags) {
   sub->add_option("--summary", c.summary_path, "Write what came out as JSON")->type_name("FILE");
   sub->add_option("--seed", c.options.seed, "Other seeds give other, equally good samples")
       ->type_name("S")
+      ->check(
+          [](const std::string& text) {
+            // A minus sign would wrap around.
+            return text.find('-') == std::string::npos ? "" : "a seed is a whole number from 0 on";
+          },
+          "")
       ->capture_default_str();
   AddChoice(*sub, "--energy", kEnergies, c.options.energy,
             "What is minimised: target, or squared-area as printed in the paper");

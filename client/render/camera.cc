@@ -11,13 +11,16 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kFieldOfView =
-    26.0 * kDegree;                 // Of the shorter side: a long lens distorts little.
-constexpr double kMargin = 0.06;    // Share of the picture left free on each side.
+    26.0 * kDegree;                          // Of the shorter side: a long lens distorts little.
+constexpr double kMargin = 0.06;             // Share of the picture left free on each side.
+constexpr double kAzimuth = 28.0 * kDegree;  // From the front, about the upright axis.
 constexpr double kFlatness = 0.15;  // Thinnest extent over the middle one of a flat object.
+
+constexpr double kLength = 1.5;  // Depth over width of an object that is turned sideways.
 
 struct View {
   int up_axis;
-  double azimuth;    // From the axis after next, about the up axis.
+  bool is_sideways;  // Seen from the second of the other two axes instead of the first.
   double elevation;  // Above the horizon.
 };
 
@@ -26,8 +29,10 @@ View ChooseView(const Eigen::Vector3d& extent) {
   extent.minCoeff(&thinnest);
   Eigen::Vector3d sorted = extent;
   std::sort(sorted.data(), sorted.data() + 3);
-  if (sorted[0] < kFlatness * sorted[1]) return {thinnest, 28.0 * kDegree, 52.0 * kDegree};
-  return {1, 28.0 * kDegree, 20.0 * kDegree};
+  const bool is_flat = sorted[0] < kFlatness * sorted[1] && sorted[1] > kFlatness * sorted[2];
+  const int up = is_flat ? thinnest : 1;
+  const bool is_sideways = extent[(up + 1) % 3] > kLength * extent[(up + 2) % 3];
+  return {up, is_sideways, (is_flat ? 52.0 : 20.0) * kDegree};
 }
 
 }  // namespace
@@ -49,10 +54,11 @@ Camera Camera::Framing(std::span<const Eigen::Vector3d> positions, int width, in
 
   const View view = ChooseView(extent * camera.inverse_extent_);
   const Eigen::Vector3d up = Eigen::Vector3d::Unit(view.up_axis);
-  const Eigen::Vector3d front = Eigen::Vector3d::Unit((view.up_axis + 1) % 3);
+  const Eigen::Vector3d front =
+      Eigen::Vector3d::Unit((view.up_axis + (view.is_sideways ? 2 : 1)) % 3);
   const Eigen::Vector3d side = up.cross(front);
   const Eigen::Vector3d backward =
-      std::cos(view.elevation) * (std::cos(view.azimuth) * front + std::sin(view.azimuth) * side) +
+      std::cos(view.elevation) * (std::cos(kAzimuth) * front + std::sin(kAzimuth) * side) +
       std::sin(view.elevation) * up;
   const Eigen::Vector3d right = up.cross(backward).normalized();
   camera.rotation_.row(0) = right;

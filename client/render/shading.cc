@@ -13,7 +13,7 @@ namespace {
 constexpr float kCreaseCosine = 0.84f;     // A corner further than 33 degrees off is a crease.
 constexpr float kOcclusionRadius = 0.11f;  // In view space: about a tenth of the object.
 constexpr float kOcclusionBias = 0.004f;   // Depths are flat within a pixel.
-constexpr int kOcclusionTaps = 8;
+constexpr int kOcclusionTaps = 6;          // A sub-pixel.
 constexpr float kOcclusionStrength = 4.75f;
 
 std::uint32_t Hash(std::uint32_t x, std::uint32_t y) {

@@ -85,8 +85,9 @@ std::vector<v1::SampleResponse> RightAnswer(const SampleSet& samples) {
   result.termination = Termination::kConverged;
   result.capacity_cv = 0.02;
   v1::SampleResponse last = Snapshot(v1::Job::STATE_SUCCEEDED);
-  *last.mutable_snapshot()->mutable_result() =
-      ToProto(result, {.samples_sha256 = SamplesDigest(samples)});
+  RunRecord record;
+  record.samples_sha256 = SamplesDigest(samples);
+  *last.mutable_snapshot()->mutable_result() = ToProto(result, record);
   answer.push_back(last);
   return answer;
 }
@@ -181,7 +182,8 @@ TEST_F(ClientTest, RefusesAnswersThatContradictThemselves) {
   };
   add("digest", [](auto& a) { a[4].mutable_samples()->set_barycentrics(0, 0.125); });
   add("start at", [](auto& a) { a[5].mutable_samples()->set_start_index(4); });
-  add("3 samples, asked for 5", [](auto& a) { a.erase(a.begin() + 5); });
+  add("3 samples, asked for 5", [](auto& a) { a.erase(a.begin() + 5, a.begin() + 7); });
+  add("names sample 3 of 3", [](auto& a) { a.erase(a.begin() + 5); });
   add("more than the 5", [](auto& a) { a.insert(a.begin() + 6, a[4]); });
   add("triangle", [](auto& a) { a[6].mutable_sample_mesh()->set_vertex_indices(1, 5); });
   add("0 triangles, announced 2", [](auto& a) { a.erase(a.begin() + 6); });
