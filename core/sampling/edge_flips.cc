@@ -92,15 +92,9 @@ std::int64_t EdgeFlips::FlipAround(std::int32_t v) {
   return Drain();
 }
 
-std::int64_t EdgeFlips::FlipAround(const std::vector<std::uint8_t>& flags) {
+std::int64_t EdgeFlips::FlipThese(const std::vector<std::int32_t>& half_edges) {
   std::int64_t flips = 0;
-  for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh_.origin.size()); ++h) {
-    const std::int32_t g = mesh_.twin[h];
-    if (g < h || mesh_.origin[h] < 0) continue;
-    if (!(flags[mesh_.origin[h]] | flags[mesh_.origin[g]] | flags[mesh_.Apex(h)] |
-          flags[mesh_.Apex(g)])) {
-      continue;
-    }
+  for (const std::int32_t h : half_edges) {
     Push(h);
     flips += Drain();
   }

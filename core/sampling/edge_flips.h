@@ -26,8 +26,8 @@ class EdgeFlips {
   /// The same, starting from the triangles around `v` only.
   std::int64_t FlipAround(std::int32_t v);
 
-  /// The same, starting from the edges whose two triangles have a vertex with a non-zero flag.
-  std::int64_t FlipAround(const std::vector<std::uint8_t>& flags);
+  /// The same, starting from the given half-edges.
+  std::int64_t FlipThese(const std::vector<std::int32_t>& half_edges);
 
   /// Vertices of flipped triangles since the last clear; may repeat.
   std::vector<std::int32_t> touched;

@@ -46,6 +46,8 @@ struct GeometryPhase::Ring {
   double least_facing = 0.0;  ///< SignedFacing() of the worst triangle that does not face enough.
   double spacing = 0.0;
   std::array<std::int32_t, kMaxRing> vertex;
+  std::array<std::int32_t, kMaxRing> half_edge;  ///< Towards the neighbour; -1 for the last of a
+                                                 ///< boundary vertex, which has none.
   std::array<Eigen::Vector3d, kMaxRing> position;
   std::array<Eigen::Vector3d, kMaxRing> normal;
 };
@@ -98,19 +100,20 @@ bool GeometryPhase::Gather(std::int32_t v, Ring* ring) const {
   int count = 0;
   const std::int32_t start = mesh_.outgoing[v];
   std::int32_t h = start;
-  const auto add = [&](std::int32_t u) {
+  const auto add = [&](std::int32_t u, std::int32_t half_edge) {
     ring->vertex[count] = u;
+    ring->half_edge[count] = half_edge;
     ring->position[count] = samples_.position[u];
     ring->normal[count] = samples_.normal[u];
     ++count;
   };
   while (true) {
     if (count + 1 >= kMaxRing) return false;
-    add(mesh_.Target(h));
+    add(mesh_.Target(h), h);
     const std::int32_t previous = SampleMesh::Previous(h);
     const std::int32_t turned = mesh_.twin[previous];
     if (turned < 0) {
-      add(mesh_.origin[previous]);
+      add(mesh_.origin[previous], -1);
       ring->triangles = count - 1;
       break;
     }
@@ -292,9 +295,29 @@ double GeometryPhase::MoveBoundary(std::int32_t v, Ring* ring) {
   return 0.0;
 }
 
+void GeometryPhase::FindSpoiltEdges(std::int32_t v, const Ring& ring) {
+  const Eigen::Vector3d& s = samples_.position[v];
+  // Around a closed ring every spoke has a triangle on each side; on the boundary the inner ones.
+  const bool closed = ring.triangles == ring.neighbours;
+  const int first = closed ? 0 : 1;
+  const int end = closed ? ring.neighbours : ring.neighbours - 1;
+  for (int i = first; i < end; ++i) {
+    const Eigen::Vector3d& q = ring.position[i];
+    const Eigen::Vector3d& a = ring.position[i == 0 ? ring.neighbours - 1 : i - 1];
+    const Eigen::Vector3d& b = ring.position[i + 1 == ring.neighbours ? 0 : i + 1];
+    const double cos_a = (s - a).dot(q - a);
+    const double cos_b = (s - b).dot(q - b);
+    if (cos_a >= 0.0 && cos_b >= 0.0) continue;
+    const double sin_a = (s - a).cross(q - a).norm();
+    const double sin_b = (s - b).cross(q - b).norm();
+    if (sin_a * cos_b + cos_a * sin_b < 0.0) spoilt_edges_.push_back(ring.half_edge[i]);
+  }
+}
+
 double GeometryPhase::Pass(Interrupt* interrupt) {
   active_.swap(next_);
   std::fill(next_.begin(), next_.end(), std::uint8_t{0});
+  spoilt_edges_.clear();
   Ring ring;
   double largest = 0.0;
   for (std::int32_t v = 0; v < samples_.count(); ++v) {
@@ -302,6 +325,7 @@ double GeometryPhase::Pass(Interrupt* interrupt) {
     if (!active_[v] || samples_.kind[v] == SampleMesh::Kind::kFixed || !Gather(v, &ring)) continue;
     const double move = samples_.kind[v] == SampleMesh::Kind::kInterior ? MoveInterior(v, &ring)
                                                                         : MoveBoundary(v, &ring);
+    FindSpoiltEdges(v, ring);
     if (!(move > 0.0)) continue;
     const double relative = move / ring.spacing;
     largest = std::max(largest, relative);

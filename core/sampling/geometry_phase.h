@@ -38,6 +38,10 @@ class GeometryPhase {
   void Activate(std::int32_t v);
   void DeactivateAll();
 
+  /// Half-edges that were not locally Delaunay when the last pass left one of their ends; may repeat.
+  /// An edge spoilt by a later move is found when its own end is visited next.
+  const std::vector<std::int32_t>& spoilt_edges() const { return spoilt_edges_; }
+
   /// Vertices that moved since the last call of ClearMoved().
   const std::vector<std::uint8_t>& moved() const { return moved_; }
   void ClearMoved();
@@ -69,7 +73,10 @@ class GeometryPhase {
   const Energy energy_;
   const SampleMesh& mesh_;
   Samples& samples_;
+  void FindSpoiltEdges(std::int32_t v, const Ring& ring);
+
   std::vector<double> scale_;  // Per component: 1 / C*.
+  std::vector<std::int32_t> spoilt_edges_;
   std::vector<std::uint8_t> active_;
   std::vector<std::uint8_t> next_;
   std::vector<std::uint8_t> moved_;

@@ -33,7 +33,7 @@ constexpr DefectLimits kMendLimits = {.least_facing = 0.2,
 
 constexpr DefectLimits kFinalLimits = {.least_facing = kMendLimits.least_facing,
                                        .least_separation = kMendLimits.least_separation,
-                                       .reach = 3,
+                                       .reach = 2,
                                        .least_angle = kMendLimits.least_angle,
                                        .most_excess = kMendLimits.most_excess};
 
@@ -140,7 +140,7 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
     state.alternation = result.alternations;
 
     flips.touched.clear();
-    state.flips = flips.FlipAround(geometry.moved());
+    state.flips = flips.FlipThese(geometry.spoilt_edges());
     for (const std::int32_t v : flips.touched) geometry.Activate(v);
 
     state.relocations = 0;
