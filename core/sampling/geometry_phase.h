@@ -38,8 +38,8 @@ class GeometryPhase {
   void Activate(std::int32_t v);
   void DeactivateAll();
 
-  /// Half-edges that were not locally Delaunay when the last pass left one of their ends; may repeat.
-  /// An edge spoilt by a later move is found when its own end is visited next.
+  /// Half-edges that were not locally Delaunay when the last pass left one of their ends; may
+  /// repeat. An edge spoilt by a later move is found when its own end is visited next.
   const std::vector<std::int32_t>& spoilt_edges() const { return spoilt_edges_; }
 
   /// Vertices that moved since the last call of ClearMoved().

@@ -144,19 +144,16 @@ std::vector<std::int64_t> Shares(const std::vector<double>& areas, double total,
   return shares;
 }
 
-absl::Status TooSmall(std::int64_t count, std::int64_t smallest, std::size_t components,
-                      std::size_t loops) {
-  return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
-                   absl::StrCat("sample_count ", count,
-                                " is too small for the topology of the "
-                                "surface (components: ",
-                                components, ", boundary loops: ", loops,
-                                "); the smallest that works is ", smallest));
+absl::Status TooSmall(std::int64_t count) {
+  return MakeError(
+      absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
+      absl::StrCat("sample_count ", count, " is too small for the topology of the surface"));
 }
 
 }  // namespace
 
-absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::uint64_t seed) {
+absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::uint64_t seed,
+                              std::int64_t* smallest) {
   Plan plan;
   const double area = surface.area();
   plan.spacing = std::sqrt(2.0 * area / (std::sqrt(3.0) * static_cast<double>(count)));
@@ -190,14 +187,15 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::u
   const std::vector<std::int64_t> shares = Shares(areas, area, count);
   if (!fits(shares)) {
     // Start where the neediest component has its least and step over the rounding.
-    double smallest = 0.0;
+    double bound = 0.0;
     for (std::size_t c = 0; c < component_count; ++c) {
-      smallest = std::max(
-          smallest, (static_cast<double>(least[c]) - 1.0) * area / std::max(areas[c], 1e-300));
+      bound = std::max(bound,
+                       (static_cast<double>(least[c]) - 1.0) * area / std::max(areas[c], 1e-300));
     }
-    auto candidate = std::max(count + 1, static_cast<std::int64_t>(std::min(smallest, 1e15)));
+    auto candidate = std::max(count + 1, static_cast<std::int64_t>(std::min(bound, 1e15)));
     for (int step = 0; step < 1000 && !fits(Shares(areas, area, candidate)); ++step) ++candidate;
-    return TooSmall(count, candidate, component_count, loops.size());
+    *smallest = candidate;
+    return TooSmall(count);
   }
 
   plan.components.resize(component_count);
@@ -233,10 +231,10 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::u
       component.boundary_samples = total;
     }
     if (component.boundary_samples > component.samples || triangles() < 1) {
-      return TooSmall(count,
-                      static_cast<std::int64_t>(std::ceil(
-                          static_cast<double>(component.boundary_samples + 1) * area / areas[c])),
-                      component_count, loops.size());
+      *smallest = std::max(
+          count + 1, static_cast<std::int64_t>(std::ceil(
+                         static_cast<double>(component.boundary_samples + 1) * area / areas[c])));
+      return TooSmall(count);
     }
     component.triangles = triangles();
     component.target = covered / static_cast<double>(component.triangles);

@@ -35,8 +35,10 @@ struct Plan {
 
 /// Shares `count` samples out over components by area (largest remainders) and over boundary
 /// loops by spacing; corners of a loop (turning by more than 60 degrees) get a sample that stays.
-/// @errors INVALID_ARGUMENT COUNT_TOO_SMALL naming the smallest count the topology allows.
-absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::uint64_t seed);
+/// @param smallest  set to the smallest larger count that may work when `count` is too small.
+/// @errors INVALID_ARGUMENT COUNT_TOO_SMALL.
+absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::uint64_t seed,
+                              std::int64_t* smallest);
 
 /// Point of loop `index` at arc length `arc` (taken modulo the length).
 SurfacePoint PointOnLoop(const Surface& surface, const Plan& plan, std::int32_t index, double arc);

@@ -15,15 +15,15 @@
 namespace ccst {
 namespace {
 
-/// Relocation after every second of the first alternations, when samples still crowd and triangles
+/// Relocation after each of the first alternations, when samples still crowd and triangles
 /// still turn over.
-constexpr int kEarlyAlternations = 8;
+constexpr int kEarlyAlternations = 2;
 constexpr DefectLimits kEarlyLimits = {};
 
 /// Afterwards it mends what is left: twice while the rest settles too, and then whenever the
 /// capacities have converged, as long as that leaves fewer defects.
-constexpr int kFirstMend = 10;
-constexpr int kSecondMend = 18;
+constexpr int kFirstMend = 3;
+constexpr int kSecondMend = 6;
 constexpr int kMaxFinalMends = 40;
 constexpr int kMaxFailedMends = 10;
 constexpr DefectLimits kMendLimits = {.least_facing = 0.2,
@@ -50,7 +50,9 @@ constexpr double kMendRest = 0.01;
 constexpr double kUncovered = 0.9;
 
 /// Improvement is judged over this many alternations: single ones are noisy after flips.
-constexpr int kWindow = 5;
+constexpr int kWindow = 2;
+
+constexpr int kPassesPerAlternation = 3;
 
 }  // namespace
 
@@ -133,20 +135,27 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
   while (result.alternations < options.max_iterations) {
     if (interrupt->Requested()) return finish(interrupted());
     geometry.ClearMoved();
-    state.max_displacement = geometry.Pass(interrupt) * plan.spacing;
-    if (interrupt->Requested()) return finish(interrupted());
-    ++result.alternations;
-    ++result.passes;
-    state.alternation = result.alternations;
-
     flips.touched.clear();
-    state.flips = flips.FlipThese(geometry.spoilt_edges());
-    for (const std::int32_t v : flips.touched) geometry.Activate(v);
+    state.flips = 0;
+    state.max_displacement = 0.0;
+    for (int pass = 0; pass < kPassesPerAlternation; ++pass) {
+      const double move = geometry.Pass(interrupt) * plan.spacing;
+      if (interrupt->Requested()) return finish(interrupted());
+      state.max_displacement = std::max(state.max_displacement, move);
+      const std::size_t before = flips.touched.size();
+      state.flips += flips.FlipThese(geometry.spoilt_edges());
+      for (std::size_t i = before; i < flips.touched.size(); ++i) {
+        geometry.Activate(flips.touched[i]);
+      }
+      ++result.passes;
+    }
+    ++result.alternations;
+    state.alternation = result.alternations;
 
     state.relocations = 0;
     bool done = false;
     if (result.alternations <= kEarlyAlternations) {
-      if (result.alternations % 2 == 0) relocate(find_everywhere(kEarlyLimits), {});
+      relocate(find_everywhere(kEarlyLimits), {});
     } else if (result.alternations == kFirstMend || result.alternations == kSecondMend) {
       relocate(find_everywhere(kMendLimits), coverage.FindUncovered(*mesh, *samples, kUncovered));
     } else if (result.alternations > kSecondMend && converged()) {

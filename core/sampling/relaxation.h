@@ -23,8 +23,9 @@ struct RelaxationReport {
 };
 
 /// Alternates geometry phases, edge flips and relocations until the capacities no longer improve.
-/// One alternation is one pass over the active samples, then flips around what moved, then (where
-/// it is its turn) relocations. Calls `report` after every alternation and once, with alternation
+/// One alternation is three passes over the active samples, each followed by flips where it left an
+/// edge spoilt, and then, where it is its turn, relocations: connectivity that is already wrong is
+/// not worth fitting to the end. Calls `report` after every alternation and once, with alternation
 /// 0, before the first. `interrupt` is polled within alternations; once it is requested the
 /// relaxation ends with what it has: a whole sample mesh, every sample on the surface.
 RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingOptions& options,

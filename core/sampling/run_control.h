@@ -16,7 +16,8 @@ enum class Phase {
   kFinalizing,    ///< Quality figures.
 };
 
-/// One finished alternation: passes over all vertices, then flips, then relocations.
+/// One finished alternation: three passes over the samples, each followed by edge flips, then
+/// relocations where they are due.
 struct AlternationReport {
   int alternation = 0;            ///< 1-based; 0 is the initial set.
   int alternation_limit = 0;      ///< Upper bound, not a promise.

@@ -73,37 +73,41 @@ SampleSet Export(const TriangleMesh& mesh, const Samples& samples,
 
 /// The initial samples and their triangulation.
 struct Start {
+  Plan plan;
   Samples samples;
   SampleMesh mesh;
 };
 
-absl::StatusOr<Start> TryStart(const Surface& surface, const Plan& plan, std::uint64_t seed,
-                               Interrupt* interrupt) {
+/// @param smallest  set to the next count worth trying when this one is too small.
+absl::StatusOr<Start> TryStart(const Surface& surface, std::int64_t count, std::uint64_t seed,
+                               Interrupt* interrupt, std::int64_t* smallest) {
   Start start;
-  start.samples = DrawInitialPoints(surface, plan, seed);
-  CCST_ASSIGN_OR_RETURN(start.mesh, BuildInitialMesh(surface, plan, start.samples, interrupt));
+  *smallest = count + 1;
+  CCST_ASSIGN_OR_RETURN(start.plan, MakePlan(surface, count, seed, smallest));
+  start.samples = DrawInitialPoints(surface, start.plan, seed);
+  CCST_ASSIGN_OR_RETURN(start.mesh,
+                        BuildInitialMesh(surface, start.plan, start.samples, interrupt));
   return start;
 }
 
 /// Like TryStart(); when the count is too small for the topology, the error names the next one
 /// that works with this seed.
-absl::StatusOr<Start> MakeStart(const Surface& surface, const Plan& plan,
-                                const SamplingOptions& options, Interrupt* interrupt) {
-  absl::StatusOr<Start> start = TryStart(surface, plan, options.seed, interrupt);
-  if (start.ok() || GetErrorReason(start.status()) != ErrorReason::kCountTooSmall) return start;
-  constexpr std::int64_t kMaxTries = 64;
-  for (std::int64_t count = options.sample_count + 1; count <= options.sample_count + kMaxTries;
-       ++count) {
-    const absl::StatusOr<Plan> larger = MakePlan(surface, count, options.seed);
-    if (!larger.ok()) continue;
-    const absl::StatusOr<Start> other = TryStart(surface, *larger, options.seed, interrupt);
+absl::StatusOr<Start> MakeStart(const Surface& surface, const SamplingOptions& options,
+                                Interrupt* interrupt) {
+  std::int64_t next = 0;
+  absl::StatusOr<Start> start =
+      TryStart(surface, options.sample_count, options.seed, interrupt, &next);
+  constexpr int kMaxTries = 64;
+  for (int attempt = 0; attempt < kMaxTries && next <= kMaxSampleCount; ++attempt) {
+    if (start.ok() || GetErrorReason(start.status()) != ErrorReason::kCountTooSmall) return start;
+    const std::int64_t count = next;
+    const absl::StatusOr<Start> other = TryStart(surface, count, options.seed, interrupt, &next);
     if (absl::IsCancelled(other.status())) return other.status();
     if (!other.ok()) continue;
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
-                     absl::StrCat("sample_count ", options.sample_count,
-                                  " is too small for the topology of the surface; the smallest "
-                                  "that works is ",
-                                  count));
+                     absl::StrCat(start.status().message(), " (", surface.component_areas().size(),
+                                  " components, ", surface.boundary_loops().size(),
+                                  " boundary loops); the smallest that works is ", count));
   }
   return start;
 }
@@ -159,14 +163,13 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   };
   enter(Phase::kPreparing);
   CCST_ASSIGN_OR_RETURN(const Surface surface, Surface::Build(mesh, &stop));
-  CCST_ASSIGN_OR_RETURN(const Plan plan, MakePlan(surface, options.sample_count, options.seed));
   if (stop.Requested()) return absl::CancelledError("stopped before the first samples");
   SamplingResult result;
-  result.surface = Summarise(surface, plan);
   result.prepare_seconds = SecondsSince(start);
 
   enter(Phase::kInitializing);
-  CCST_ASSIGN_OR_RETURN(Start first, MakeStart(surface, plan, options, &stop));
+  CCST_ASSIGN_OR_RETURN(Start first, MakeStart(surface, options, &stop));
+  result.surface = Summarise(surface, first.plan);
   result.initialise_seconds = SecondsSince(start) - result.prepare_seconds;
 
   enter(Phase::kRelaxing);
@@ -192,7 +195,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   }
   Interrupt interrupt(run.stop, deadline);
   const RelaxationReport relaxed =
-      Relax(surface, plan, options, report, &interrupt, &first.mesh, &first.samples);
+      Relax(surface, first.plan, options, report, &interrupt, &first.mesh, &first.samples);
   result.termination = relaxed.termination;
   result.alternations = relaxed.alternations;
   result.passes = relaxed.passes;
