@@ -59,8 +59,8 @@ std::vector<Blade> MakeBlades(const Geometry& geometry, const LinkedFaces& linke
 
 /// Two blades that may be joined; a's slot is the smaller.
 struct Candidate {
-  bool bare = false;         // One of them has no area, so that its direction says nothing.
-  std::int64_t bend = 0;     // Least where they continue each other; rounded, so that equals tie.
+  bool bare = false;      // One of them has no area, so that its direction says nothing.
+  std::int64_t bend = 0;  // Least where they continue each other; rounded, so that equals tie.
   bool concave = false;
   std::int32_t a = -1;
   std::int32_t b = -1;
@@ -155,8 +155,8 @@ void LinkCrowdedEdges(const Geometry& geometry, const CrowdedEdges& crowded,
   Pairing pairing(orientation, linked);
   for (std::size_t e = 0; e < crowded.count(); ++e) {
     const std::int32_t begin = crowded.start[e];
-    pairing.LinkEdge(MakeBlades(geometry, *linked, crowded.slots.data() + begin,
-                                crowded.start[e + 1] - begin));
+    pairing.LinkEdge(
+        MakeBlades(geometry, *linked, crowded.slots.data() + begin, crowded.start[e + 1] - begin));
   }
   pairing.ApplyTurns();
 }

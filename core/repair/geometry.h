@@ -15,7 +15,7 @@ namespace ccst::repair {
 /// neither overflow nor vanish, and what rounding of the coordinates can do to them.
 class Geometry {
  public:
-  /// `unit` > 0, a power of two. `positions` must outlive this.
+  /// @param positions must outlive this. @param unit > 0, a power of two.
   Geometry(const std::vector<Eigen::Vector3d>& positions, double unit)
       : positions_(positions), unit_(unit) {}
 
@@ -26,9 +26,9 @@ class Geometry {
 
   /// How far rounding may have moved the corners of a triangle.
   double Rounding(const Eigen::Vector3i& t) const {
-    const double reach = std::max({positions_[t[0]].cwiseAbs().maxCoeff(),
-                                   positions_[t[1]].cwiseAbs().maxCoeff(),
-                                   positions_[t[2]].cwiseAbs().maxCoeff()});
+    const double reach =
+        std::max({positions_[t[0]].cwiseAbs().maxCoeff(), positions_[t[1]].cwiseAbs().maxCoeff(),
+                  positions_[t[2]].cwiseAbs().maxCoeff()});
     return 8.0 * std::numeric_limits<double>::epsilon() * (reach / unit_);
   }
 

@@ -20,9 +20,10 @@ bool InConflict(const LinkedFaces& linked, const std::vector<std::uint8_t>& flip
   return Opposed(linked, slot) != turned;
 }
 
-/// A flip for every face. Neighbours that agree are visited first, so that where no orientation
-/// exists the contradictions come to lie on edges where the input disagrees.
-std::vector<std::uint8_t> SpreadFlips(const LinkedFaces& linked) {
+/// A flip for every face. With `agreeing_first` neighbours that agree are visited before others,
+/// so that where no orientation exists the contradictions come to lie on edges where the input
+/// disagrees; without, faces are visited by their distance, which gives short lines of them.
+std::vector<std::uint8_t> SpreadFlips(const LinkedFaces& linked, bool agreeing_first) {
   std::vector<std::uint8_t> flips(linked.faces.size(), 0);
   std::vector<std::uint8_t> visited(linked.faces.size(), 0);
   std::vector<std::int32_t> stack;
@@ -42,8 +43,9 @@ std::vector<std::uint8_t> SpreadFlips(const LinkedFaces& linked) {
           if (linked.links[s] < 0) continue;
           const std::int32_t g = linked.links[s] / 3;
           if (visited[g]) continue;
-          if (Opposed(linked, s)) {
-            later.emplace_back(g, !flips[f]);
+          const bool opposed = Opposed(linked, s);
+          if (opposed || !agreeing_first) {
+            later.emplace_back(g, static_cast<bool>(flips[f]) != opposed);
           } else {
             visited[g] = 1;
             flips[g] = flips[f];
@@ -82,6 +84,25 @@ void Straighten(const LinkedFaces& linked, std::vector<std::uint8_t>* flips) {
   }
 }
 
+std::int64_t CountConflicts(const LinkedFaces& linked, const std::vector<std::uint8_t>& flips) {
+  std::int64_t count = 0;
+  for (std::int32_t s = 0; s < 3 * linked.count(); ++s) {
+    if (linked.links[s] > s) count += InConflict(linked, flips, s);
+  }
+  return count;
+}
+
+/// Flips with few contradictions; none if there can be none.
+std::vector<std::uint8_t> ChooseFlips(const LinkedFaces& linked) {
+  std::vector<std::uint8_t> flips = SpreadFlips(linked, true);
+  if (CountConflicts(linked, flips) == 0) return flips;
+  Straighten(linked, &flips);
+  std::vector<std::uint8_t> others = SpreadFlips(linked, false);
+  Straighten(linked, &others);
+  const bool shorter = CountConflicts(linked, others) < CountConflicts(linked, flips);
+  return shorter ? others : flips;
+}
+
 void FindPieces(const LinkedFaces& linked, Orientation* orientation) {
   orientation->pieces.assign(linked.faces.size(), -1);
   orientation->piece_count = 0;
@@ -114,8 +135,9 @@ std::vector<std::int64_t> Balance(const Orientation& orientation) {
 }
 
 /// Per piece whose balance is 0: whether the other orientation is the better one.
-std::vector<std::uint8_t> BreakTies(const Geometry& geometry, const LinkedFaces& linked,
-                                    const Orientation& orientation,
+std::vector<std::uint8_t> BreakTies(const Geometry& geometry,
+                                    const std::vector<std::int32_t>& positions_of,
+                                    const LinkedFaces& linked, const Orientation& orientation,
                                     const std::vector<std::int64_t>& balance) {
   std::vector<std::uint8_t> turn(balance.size(), 0);
   std::vector<std::uint8_t> open(balance.size(), 0);
@@ -126,8 +148,9 @@ std::vector<std::uint8_t> BreakTies(const Geometry& geometry, const LinkedFaces&
     if (balance[piece] != 0) continue;
     if (first[piece] < 0) first[piece] = f;
     for (std::int32_t s = 3 * f; s < 3 * f + 3; ++s) open[piece] |= linked.links[s] < 0;
-    const std::int32_t base = linked.faces[first[piece]][0];
-    const Eigen::Vector3i& face = linked.faces[f];
+    const std::int32_t base = positions_of[linked.faces[first[piece]][0]];
+    const Eigen::Vector3i face =
+        linked.faces[f].unaryExpr([&](int fan) { return positions_of[fan]; });
     const double volume = geometry.Edge(base, face[0])
                               .cross(geometry.Edge(base, face[1]))
                               .dot(geometry.Edge(base, face[2]));
@@ -145,8 +168,7 @@ std::vector<std::uint8_t> BreakTies(const Geometry& geometry, const LinkedFaces&
 
 Orientation OrientAlongLinks(LinkedFaces* linked, std::int64_t* cuts) {
   Orientation orientation;
-  orientation.flips = SpreadFlips(*linked);
-  Straighten(*linked, &orientation.flips);
+  orientation.flips = ChooseFlips(*linked);
   *cuts = 0;
   for (std::int32_t s = 0; s < 3 * linked->count(); ++s) {
     if (linked->links[s] < 0 || !InConflict(*linked, orientation.flips, s)) continue;
@@ -161,11 +183,13 @@ Orientation OrientAlongLinks(LinkedFaces* linked, std::int64_t* cuts) {
   return orientation;
 }
 
-std::int64_t ApplyOrientation(const Geometry& geometry, Orientation* orientation,
-                              LinkedFaces* linked) {
+std::int64_t ApplyOrientation(const Geometry& geometry,
+                              const std::vector<std::int32_t>& positions_of,
+                              Orientation* orientation, LinkedFaces* linked) {
   FindPieces(*linked, orientation);
   const std::vector<std::int64_t> balance = Balance(*orientation);
-  const std::vector<std::uint8_t> turn = BreakTies(geometry, *linked, *orientation, balance);
+  const std::vector<std::uint8_t> turn =
+      BreakTies(geometry, positions_of, *linked, *orientation, balance);
   std::int64_t flipped = 0;
   for (std::size_t f = 0; f < orientation->flips.size(); ++f) {
     const std::int32_t piece = orientation->pieces[f];

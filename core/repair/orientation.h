@@ -16,14 +16,16 @@ struct Orientation {
 };
 
 /// Orients what is linked: as few faces turned over in a piece as can be. Links that contradict
-/// every orientation are undone, where the input breaks already if it does so anywhere.
+/// every orientation are undone: where the input breaks already, unless a cut elsewhere is shorter.
 /// @param[out] cuts how many were undone. Cost O(F).
 Orientation OrientAlongLinks(LinkedFaces* linked, std::int64_t* cuts);
 
 /// Given flips that agree along every link: turns whole pieces so that most faces stay as they
 /// are; of equals a closed piece gets the positive volume, another keeps its first face.
-/// Then applies the flips to `linked` and clears them. @return faces turned over.
-std::int64_t ApplyOrientation(const Geometry& geometry, Orientation* orientation,
-                              LinkedFaces* linked);
+/// Then applies the flips to `linked` and clears them.
+/// @param positions_of per vertex of `linked` its vertex in `geometry`. @return faces turned over.
+std::int64_t ApplyOrientation(const Geometry& geometry,
+                              const std::vector<std::int32_t>& positions_of,
+                              Orientation* orientation, LinkedFaces* linked);
 
 }  // namespace ccst::repair

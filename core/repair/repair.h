@@ -9,7 +9,8 @@
 namespace ccst {
 
 struct RepairOptions {
-  /// Vertices at most this far apart become one [mesh unit], >= 0; 0 joins equal positions only.
+  /// Vertices at most this far from a kept one join it [mesh unit], >= 0; 0 joins equal
+  /// positions only. No corner of a face moves farther than twice this.
   double weld_tolerance = 0.0;
 };
 
@@ -50,8 +51,8 @@ struct RepairedMesh {
 ///   together, then pairs that agree in orientation, flattest first, the convex of equals; the
 ///   rest become boundary;
 /// - each piece takes the orientation of most of its faces; if none exists it is cut, along edges
-///   where the input's orientation breaks already if there are such. Where just as many faces
-///   look either way a closed piece is turned outwards;
+///   where the input's orientation breaks already unless another cut is shorter. Where just as many
+///   faces look either way a closed piece is turned outwards;
 /// - a face without area (its height is within the rounding of its coordinates) whose middle
 ///   vertex lies on the side of a neighbour is replaced by splitting that neighbour, so that no
 ///   crack opens; it is dropped where it hangs on one edge or none. Needles stay. T-junctions

@@ -31,8 +31,8 @@ struct CellHash {
 };
 
 /// Sorting by hash, then by place, cannot be made slow by chosen coordinates.
-void JoinEqual(const std::vector<Eigen::Vector3d>& positions,
-               const std::vector<std::uint8_t>& used, std::vector<std::int32_t>* leaders) {
+void JoinEqual(const std::vector<Eigen::Vector3d>& positions, const std::vector<std::uint8_t>& used,
+               std::vector<std::int32_t>* leaders) {
   std::vector<std::pair<std::uint64_t, std::int32_t>> order;
   order.reserve(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {

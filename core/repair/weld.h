@@ -9,8 +9,8 @@ namespace ccst::repair {
 
 /// Per position the smallest index of those it is joined with (itself when alone). Positions not
 /// `used` stay alone. With `tolerance` = 0 equal positions are joined; else, in order of index,
-/// each joins the first leader at most `tolerance` away or becomes one. So nothing moves farther
-/// than the tolerance, and leaders stay farther apart than it.
+/// each joins the first leader at most `tolerance` away or becomes one. So leaders
+/// stay farther apart than the tolerance.
 /// @param positions finite. @param tolerance [their unit], >= 0, finite.
 /// Cost O(V log V).
 std::vector<std::int32_t> WeldLeaders(const std::vector<Eigen::Vector3d>& positions,

@@ -115,9 +115,9 @@ class ZeroAreaRemoval {
   }
 
   bool IsNeedle(const Eigen::Vector3i& t) const {
-    const double shortest = std::min({geometry_.Edge(t[0], t[1]).norm(),
-                                      geometry_.Edge(t[1], t[2]).norm(),
-                                      geometry_.Edge(t[2], t[0]).norm()});
+    const double shortest =
+        std::min({geometry_.Edge(t[0], t[1]).norm(), geometry_.Edge(t[1], t[2]).norm(),
+                  geometry_.Edge(t[2], t[0]).norm()});
     return shortest <= 2.0 * geometry_.Rounding(t);
   }
 
