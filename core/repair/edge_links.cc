@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSliver = 1e-7;
 
-/// Keeps the faces that are not `dropped`. Links are not there yet.
+/// Keeps the faces that are not `dropped`; links are no longer right then.
 void Compact(const std::vector<std::uint8_t>& dropped, LinkedFaces* linked) {
   std::int32_t kept = 0;
   for (std::int32_t f = 0; f < linked->count(); ++f) {
@@ -94,6 +94,7 @@ CrowdedEdges LinkPlainEdges(const std::vector<Eigen::Vector3i>& input_faces,
               [&](std::span<const std::int32_t> slots) {
                 if (slots.size() == 2) linked->Link(slots[0], slots[1]);
                 if (slots.size() <= 2) return;
+                crowded.any = true;
                 named.clear();
                 for (const std::int32_t s : slots) {
                   const Eigen::Vector3i& face = input_faces[linked->source[s / 3]];

@@ -14,6 +14,7 @@ namespace ccst::repair {
 struct CrowdedEdges {
   std::vector<std::int32_t> slots;
   std::vector<std::int32_t> start = {0};
+  bool any = false;  ///< Whether there were such edges, listed here or not.
   std::size_t count() const { return start.size() - 1; }
 };
 
@@ -23,7 +24,8 @@ std::int64_t DropDuplicates(LinkedFaces* linked, std::int64_t vertex_count);
 
 /// Drops slivers (height under 1e-7 of the longest side, or within rounding) that hang on an edge
 /// of three or more faces and on nothing else: what exporters leave of a T-junction that was
-/// closed otherwise. At least two faces of the edge stay. @return how many.
+/// closed otherwise. At least two faces of the edge stay.
+/// Links are not looked at, and wrong afterwards where it dropped any. @return how many.
 std::int64_t DropHangingSlivers(const Geometry& geometry, LinkedFaces* linked,
                                 std::int64_t vertex_count);
 

@@ -35,29 +35,32 @@ std::vector<std::int32_t> SplitFans(LinkedFaces* linked) {
   std::vector<Eigen::Vector3i> fans;
   std::int32_t count = NumberFans(*linked, &fans);
   if (count == 0) return {};
+  const std::vector<Eigen::Vector3i> whole = std::exchange(linked->faces, fans);
   // Two surfaces that cross at one edge may be joined crosswise there and stay joined around both
   // ends. Then one pair of vertices would stand for two edges, which an index list cannot say.
   // Undoing those links splits at least one end of each, or gives every slot its own partner, and
   // makes no other edge crowded, because fans only become smaller.
   bool undone = false;
-  std::vector<Eigen::Vector3i> whole = std::exchange(linked->faces, fans);
-  ForEachEdge(*linked, count, [&](std::span<const std::int32_t> slots) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> meeting;  // Boundary over boundary.
+  const auto look = [&](std::span<const std::int32_t> slots) {
+    if (slots.size() == 2 && linked->links[slots[0]] < 0) meeting.emplace_back(slots[0], slots[1]);
     if (slots.size() <= 2) return;
     for (const std::int32_t s : slots) linked->Unlink(s);
     undone = true;
-  });
+  };
+  ForEachEdge(*linked, count, look);
   if (undone) {
     linked->faces = whole;
     count = NumberFans(*linked, &fans);
     linked->faces = fans;
+    meeting.clear();
+    ForEachEdge(*linked, count, look);
   }
+  for (const auto& [one, other] : meeting) linked->Link(one, other);
   std::vector<std::int32_t> vertices(count, -1);
   for (std::size_t f = 0; f < fans.size(); ++f) {
     for (int k = 0; k < 3; ++k) vertices[fans[f][k]] = whole[f][k];
   }
-  ForEachEdge(*linked, count, [&](std::span<const std::int32_t> slots) {
-    if (slots.size() == 2) linked->Link(slots[0], slots[1]);
-  });
   return vertices;
 }
 

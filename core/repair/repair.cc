@@ -226,9 +226,13 @@ absl::StatusOr<RepairedMesh> Repair(const TriangleMesh& mesh, const RepairOption
   const Geometry geometry(mesh.positions, unit);
   LinkedFaces linked = WeldFaces(mesh, leaders, &report.repeated_index_faces);
   report.duplicate_faces = repair::DropDuplicates(&linked, vertex_count);
-  report.degenerate_faces = repair::DropHangingSlivers(geometry, &linked, vertex_count);
-
-  const repair::CrowdedEdges crowded = repair::LinkPlainEdges(mesh.faces, leaders, &linked);
+  repair::CrowdedEdges crowded = repair::LinkPlainEdges(mesh.faces, leaders, &linked);
+  if (crowded.any) {
+    report.degenerate_faces = repair::DropHangingSlivers(geometry, &linked, vertex_count);
+    if (report.degenerate_faces > 0) {
+      crowded = repair::LinkPlainEdges(mesh.faces, leaders, &linked);
+    }
+  }
   report.cut_edges = static_cast<std::int64_t>(crowded.count());
   repair::Orientation orientation = repair::OrientAlongLinks(&linked, &report.non_orientable_cuts);
   repair::LinkCrowdedEdges(geometry, crowded, &orientation, &linked);
