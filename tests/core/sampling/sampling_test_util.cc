@@ -1,0 +1,171 @@
+#include "tests/core/sampling/sampling_test_util.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+
+#include <Eigen/Geometry>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/interrupt.h"
+#include "core/base/status.h"
+#include "core/quality/sample_mesh_quality.h"
+#include "core/quality/surface_distance.h"
+#include "core/quality/triangle_tree.h"
+#include "core/sampling/initial_mesh.h"
+#include "core/sampling/initial_points.h"
+#include "tests/support/shapes.h"
+
+namespace ccst::sampling_test {
+namespace {
+
+template <typename T>
+bool SameBits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+}  // namespace
+
+absl::StatusOr<Start> MakeStart(const TriangleMesh& mesh, std::int64_t count, std::uint64_t seed) {
+  Interrupt never;
+  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(mesh));
+  std::int64_t smallest = 0;
+  CCST_ASSIGN_OR_RETURN(Plan plan, MakePlan(surface, count, seed, &smallest));
+  Samples samples = DrawInitialPoints(surface, plan, seed);
+  CCST_ASSIGN_OR_RETURN(SampleMesh triangulation, BuildInitialMesh(surface, plan, samples, &never));
+  return Start{std::move(surface), std::move(plan), std::move(samples), std::move(triangulation)};
+}
+
+std::vector<Eigen::Vector3i> Triangles(const SampleMesh& mesh) {
+  std::vector<Eigen::Vector3i> triangles;
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (mesh.IsDead(t)) continue;
+    triangles.emplace_back(mesh.origin[3 * t], mesh.origin[3 * t + 1], mesh.origin[3 * t + 2]);
+  }
+  return triangles;
+}
+
+quality::MeshTopology Topology(const SampleMesh& mesh) {
+  return quality::MeasureTopology(mesh.vertex_count(), Triangles(mesh));
+}
+
+std::string FindInconsistency(const SampleMesh& mesh) {
+  for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh.origin.size()); ++h) {
+    if (mesh.IsDead(h / 3)) continue;
+    const std::int32_t g = mesh.twin[h];
+    if (g >= 0 && (mesh.IsDead(g / 3) || mesh.twin[g] != h || mesh.origin[g] != mesh.Target(h) ||
+                   mesh.Target(g) != mesh.origin[h])) {
+      return absl::StrCat("half-edge ", h, " and its twin ", g, " do not match");
+    }
+  }
+  std::vector<std::int32_t> degree(mesh.vertex_count(), 0);
+  for (const Eigen::Vector3i& t : Triangles(mesh)) {
+    for (const std::int32_t v : t) ++degree[v];
+  }
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const std::int32_t h = mesh.outgoing[v];
+    if (h < 0) {
+      if (degree[v] != 0) return absl::StrCat("vertex ", v, " has triangles but no half-edge");
+      continue;
+    }
+    if (mesh.origin[h] != v) return absl::StrCat("outgoing half-edge of ", v, " starts elsewhere");
+    std::int32_t seen = 0;
+    mesh.ForEachOutgoing(v, [&](std::int32_t) { ++seen; });
+    if (seen != degree[v]) {
+      return absl::StrCat("walking around ", v, " sees ", seen, " of ", degree[v], " triangles");
+    }
+  }
+  return "";
+}
+
+double Area(const SampleMesh& mesh, const std::vector<Eigen::Vector3d>& positions) {
+  double area = 0.0;
+  for (const Eigen::Vector3i& t : Triangles(mesh)) {
+    area +=
+        0.5 * (positions[t[1]] - positions[t[0]]).cross(positions[t[2]] - positions[t[0]]).norm();
+  }
+  return area;
+}
+
+std::string FindDifference(const SamplingResult& a, const SamplingResult& b) {
+  if (!SameBits(a.samples.faces, b.samples.faces)) return "faces";
+  if (!SameBits(a.samples.barycentrics, b.samples.barycentrics)) return "barycentrics";
+  if (!SameBits(a.samples.positions, b.samples.positions)) return "positions";
+  if (!SameBits(a.samples.normals, b.samples.normals)) return "normals";
+  if (!SameBits(a.samples.triangles, b.samples.triangles)) return "triangles";
+  if (a.termination != b.termination) return "termination";
+  if (a.alternations != b.alternations) return "alternations";
+  if (a.passes != b.passes) return "passes";
+  if (a.energy != b.energy) return "energy";
+  if (a.capacity_cv != b.capacity_cv) return "capacity_cv";
+  if (a.relative_radius != b.relative_radius) return "relative_radius";
+  return "";
+}
+
+std::string FindFault(const TriangleMesh& mesh, std::int64_t count, const SamplingResult& result) {
+  const SampleSet& set = result.samples;
+  const auto n = static_cast<std::size_t>(count);
+  if (set.positions.size() != n || set.faces.size() != n || set.barycentrics.size() != n ||
+      set.normals.size() != n) {
+    return absl::StrCat(set.positions.size(), " samples instead of ", count);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (set.faces[i] < 0 || set.faces[i] >= static_cast<std::int64_t>(mesh.faces.size())) {
+      return absl::StrCat("sample ", i, " has no host");
+    }
+    const double u = set.barycentrics[i][0];
+    const double v = set.barycentrics[i][1];
+    if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0)) {
+      return absl::StrCat("sample ", i, " lies outside its host: ", u, ", ", v);
+    }
+    const Eigen::Vector3i& f = mesh.faces[set.faces[i]];
+    const Eigen::Vector3d position =
+        u * mesh.positions[f[0]] + v * mesh.positions[f[1]] + (1.0 - u - v) * mesh.positions[f[2]];
+    if (!((position - set.positions[i]).norm() <= 1e-12 * result.surface.diagonal)) {
+      return absl::StrCat("sample ", i, " is not where its host says");
+    }
+    if (!(std::abs(set.normals[i].norm() - 1.0) < 1e-9)) {
+      return absl::StrCat("normal ", i, " is not a unit vector");
+    }
+  }
+  const quality::TriangleTree tree(mesh.positions, mesh.faces);
+  const double off = quality::LargestDistance(set.positions, tree);
+  if (!(off <= 1e-6 * result.surface.diagonal)) return absl::StrCat("a sample lies ", off, " off");
+  const quality::MeshTopology topology = quality::MeasureTopology(count, set.triangles);
+  if (!topology.IsManifold()) return topology.first_defect;
+  if (topology.euler != result.surface.euler + result.surface.closed_loops) {
+    return absl::StrCat("Euler characteristic ", topology.euler, " instead of ",
+                        result.surface.euler + result.surface.closed_loops);
+  }
+  if (topology.components != result.surface.components) {
+    return absl::StrCat(topology.components, " components");
+  }
+  const auto loops = static_cast<std::int64_t>(topology.boundary_loops.size());
+  if (loops != result.surface.boundary_loops - result.surface.closed_loops) {
+    return absl::StrCat(loops, " boundary loops");
+  }
+  const std::int64_t turned = quality::CountTurnedOver(set.positions, set.normals, set.triangles);
+  if (turned > 0) return absl::StrCat(turned, " triangles turned over");
+  return "";
+}
+
+TriangleMesh Jack(int levels) {
+  TriangleMesh mesh = shapes::Icosphere(levels);
+  for (Eigen::Vector3d& p : mesh.positions) {
+    const double along = p.cwiseAbs().maxCoeff();  // 1 at the axes, 0.577 between them.
+    const double arm = std::max(0.0, (along - 0.8) / 0.2);
+    p *= 1.0 + 2.5 * arm * arm;
+  }
+  return mesh;
+}
+
+std::int64_t SmallestNamed(const absl::Status& status) {
+  const std::string message(status.message());
+  const std::string key = "the smallest that works is ";
+  const std::size_t at = message.find(key);
+  return at == std::string::npos ? -1 : std::atoll(message.c_str() + at + key.size());
+}
+
+}  // namespace ccst::sampling_test
