@@ -14,9 +14,11 @@ namespace ccst {
 /// vertex's tangent plane [1 / unit of positions]. Positive along directions in which the surface
 /// bends towards the normal, so a sphere with outward normals has -1 / R.
 /// @param positions V x 3. @param faces F x 3. @param normals V x 3 unit.
-/// @param interrupt  when requested, the result is unfinished. Cost O(V + F). First order on
-/// irregular meshes, second order on regular ones. Source: Rusinkiewicz, "Estimating curvatures and
-/// their derivatives on triangle meshes", 3DPVT 2004.
+/// @param interrupt  when requested, the result is unfinished. Cost O(V + F). Converges at
+/// first order or better on regular meshes and keeps an error of about a tenth on irregular ones
+/// (measured, core/docs/algorithm.md).
+/// Source: Rusinkiewicz, "Estimating curvatures and their derivatives on triangle meshes", 3DPVT
+/// 2004.
 std::vector<std::array<float, 6>> VertexShapeTensors(const std::vector<Eigen::Vector3d>& positions,
                                                      const std::vector<Eigen::Vector3i>& faces,
                                                      const std::vector<Eigen::Vector3d>& normals,
