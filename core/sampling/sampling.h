@@ -31,7 +31,7 @@ enum class Energy {
 struct SamplingOptions {
   std::int64_t sample_count = 0;     ///< Required, in [kMinSampleCount, kMaxSampleCount].
   int max_iterations = 130;          ///< Alternations, in [0, kMaxAlternations]; 0: initial set.
-  double relative_tolerance = 0.1;  ///< > 0; stop when capacity_cv improves by less
+  double relative_tolerance = 0.12;  ///< > 0; stop when capacity_cv improves by less
                                      ///< than this an alternation, over two of them.
   std::uint64_t seed = 0;            ///< Part of the result's identity.
   Energy energy = Energy::kTarget;
