@@ -25,11 +25,11 @@ constexpr DefectLimits kEarlyLimits = {};
 constexpr int kFirstMend = 3;
 constexpr int kSecondMend = 6;
 constexpr int kMaxFinalMends = 40;
-constexpr int kMaxFailedMends = 10;
+constexpr int kMaxFailedMends = 14;
 constexpr DefectLimits kMendLimits = {.least_facing = 0.2,
                                       .least_separation = 0.66,
                                       .least_angle = 27.0 * std::numbers::pi / 180.0,
-                                      .most_excess = 0.9};
+                                      .most_excess = 0.78};
 
 constexpr DefectLimits kFinalLimits = {.least_facing = kMendLimits.least_facing,
                                        .least_separation = kMendLimits.least_separation,
