@@ -213,8 +213,8 @@ double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring) {
     w = (-g2 * h11 + g1 * h12) / determinant;
   }
   const double size = std::sqrt(u * u + w * w);
-  // Even stretched, such a move would count as rest.
-  if (!(size * stretch > rest * ring->spacing)) return 0.0;
+  // Far below what counts as rest, however it ended.
+  if (!(size > 0.1 * rest * ring->spacing)) return 0.0;
   double factor = std::min(stretch, kLongestStep * ring->spacing / size);
   for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, factor *= 0.5) {
     const double du = factor * u;
@@ -270,7 +270,7 @@ double GeometryPhase::MoveBoundary(std::int32_t v, Ring* ring) {
   ring->spacing = std::sqrt(2.0 / std::sqrt(3.0) * area / ring->triangles);
   if (!(curvature > 0.0)) return 0.0;
   const double wanted = -slope / curvature;
-  if (!(std::abs(wanted) * stretch > rest * ring->spacing)) return 0.0;
+  if (!(std::abs(wanted) > 0.1 * rest * ring->spacing)) return 0.0;
   const double nearest =
       std::min((ring->position[0] - s).norm(), (ring->position[ring->neighbours - 1] - s).norm());
   const double longest = std::min(kLongestStep * ring->spacing, 0.4 * nearest);

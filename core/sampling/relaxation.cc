@@ -50,7 +50,7 @@ constexpr double kMendRest = 0.01;
 constexpr double kUncovered = 0.9;
 
 /// Improvement is judged over this many alternations: single ones are noisy after flips.
-constexpr int kWindow = 2;
+constexpr int kWindow = 3;
 
 constexpr int kPassesPerAlternation = 3;
 

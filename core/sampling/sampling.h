@@ -32,7 +32,7 @@ struct SamplingOptions {
   std::int64_t sample_count = 0;     ///< Required, in [kMinSampleCount, kMaxSampleCount].
   int max_iterations = 130;          ///< Alternations, in [0, kMaxAlternations]; 0: initial set.
   double relative_tolerance = 0.12;  ///< > 0; stop when capacity_cv improves by less
-                                     ///< than this an alternation, over two of them.
+                                     ///< than this an alternation, over three of them.
   std::uint64_t seed = 0;            ///< Part of the result's identity.
   Energy energy = Energy::kTarget;
   /// Wall-clock bound of the computation [s], > 0; a run that hits it returns its last whole

@@ -54,6 +54,7 @@ struct Options {
   bool all_meshes = false;
   bool check_bits = false;
   std::string json_path;
+  std::vector<std::string> known;
   std::optional<int> max_iterations;
   std::optional<double> tolerance;
 };
@@ -218,6 +219,11 @@ int Figures(const Options& options) {
   RunAll(options, models, runs, model_width);
   const auto held =
       std::count_if(runs.begin(), runs.end(), [](const RunRecord& r) { return r.Holds(); });
+  // A known weakness may miss floors of shape; it must still run, and give the same bits.
+  const auto excused = std::count_if(runs.begin(), runs.end(), [&](const RunRecord& r) {
+    return !r.Holds() && r.error.empty() && r.bits_equal && r.figures.defect.empty() &&
+           std::find(options.known.begin(), options.known.end(), r.model) != options.known.end();
+  });
   std::map<std::string, int> misses;
   for (const RunRecord& run : runs) {
     for (const std::string& miss : run.misses) ++misses[miss];
@@ -225,6 +231,7 @@ int Figures(const Options& options) {
     if (!run.bits_equal) ++misses["bits"];
   }
   std::printf("runs %zu, within all floors %td", runs.size(), held);
+  if (excused > 0) std::printf(", known weaknesses %td", excused);
   for (const auto& [name, count] : misses) std::printf(", %s missed %d", name.c_str(), count);
   std::printf("\n");
 
@@ -236,7 +243,7 @@ int Figures(const Options& options) {
       return 2;
     }
   }
-  return held == static_cast<std::ptrdiff_t>(runs.size()) && !runs.empty() ? 0 : 1;
+  return held + excused == static_cast<std::ptrdiff_t>(runs.size()) && !runs.empty() ? 0 : 1;
 }
 
 }  // namespace
@@ -259,6 +266,9 @@ int main(int argc, char** argv) {
                "Run again with another number of threads and a listener, and compare the bits");
   app.add_option("--max-iterations", options.max_iterations, "Instead of the default");
   app.add_option("--tolerance", options.tolerance, "Instead of the default");
+  app.add_option("--known", options.known,
+                 "Models whose missed floors are printed but do not count: known weaknesses")
+      ->delimiter(',');
   app.add_option("--json", options.json_path, "Write one JSON object a run to this file");
   CLI11_PARSE(app, argc, argv);
   try {

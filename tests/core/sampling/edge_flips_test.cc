@@ -88,7 +88,7 @@ TEST(EdgeFlips, FlipsTurnNoTriangleOver) {
 
 // In the plane locally Delaunay everywhere means Delaunay: every circumcircle is empty.
 TEST(EdgeFlips, PlaneEndsWithEmptyCircles) {
-  Start start = Moved(shapes::PlaneGrid(1, 1, 3, 3), 300);
+  Start start = Moved(shapes::PlaneGrid(1, 1, 1, 1), 300);
   const std::vector<Eigen::Vector3d>& p = start.samples.position;
   // Start from far away: turn edges of convex quadrilaterals at random.
   const CounterRandom random(1, 1);
