@@ -1,10 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <csignal>
 #include <stop_token>
 #include <thread>
-
-#include <signal.h>
 
 namespace ccst::cli {
 

@@ -25,7 +25,7 @@ class Listener : public ProgressSink {
 
 absl::StatusOr<SampleOutcome> SampleLocally(
     const MeshInput& input, const SamplingOptions& options,
-    const std::function<void(const AlternationReport&)>& on_progress, std::stop_token stop) {
+    const std::function<void(const AlternationReport&)>& on_progress, const std::stop_token& stop) {
   const auto start = std::chrono::steady_clock::now();
   Listener listener(on_progress);
   SampleOutcome outcome;

@@ -15,6 +15,6 @@ namespace ccst::cli {
 /// @errors those of SampleSurface(); CANCELLED when stopped
 absl::StatusOr<SampleOutcome> SampleLocally(
     const MeshInput& input, const SamplingOptions& options,
-    const std::function<void(const AlternationReport&)>& on_progress, std::stop_token stop);
+    const std::function<void(const AlternationReport&)>& on_progress, const std::stop_token& stop);
 
 }  // namespace ccst::cli

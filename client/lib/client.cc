@@ -97,7 +97,7 @@ Client::Client(std::unique_ptr<v1::SamplingService::StubInterface> sampling,
     : sampling_(std::move(sampling)), info_(std::move(info)) {}
 
 absl::StatusOr<SampleOutcome> Client::Sample(const SampleJob& job, const SampleCallbacks& callbacks,
-                                             std::stop_token stop) {
+                                             const std::stop_token& stop) {
   const v1::SampleRequest request = ToRequest(job);
   for (int attempt = 0;; ++attempt) {
     if (stop.stop_requested()) return Cancelled();

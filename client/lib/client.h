@@ -51,7 +51,7 @@ class Client {
   ///         CANCELLED    `stop`, or the server cancelled the job
   ///         DATA_LOSS    the answer is incomplete or contradicts itself
   absl::StatusOr<SampleOutcome> Sample(const SampleJob& job, const SampleCallbacks& callbacks = {},
-                                       std::stop_token stop = {});
+                                       const std::stop_token& stop = {});
 
   /// Version, limits and load. Waits for an answer for at most ten seconds.
   /// @errors UNAVAILABLE | DEADLINE_EXCEEDED the server cannot be reached | UNIMPLEMENTED
