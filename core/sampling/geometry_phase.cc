@@ -55,6 +55,7 @@ struct GeometryPhase::Ring {
 GeometryPhase::GeometryPhase(const Surface* surface, const Plan* plan, Energy energy,
                              const SampleMesh* mesh, Samples* samples)
     : surface_(*surface), plan_(*plan), energy_(energy), mesh_(*mesh), samples_(*samples) {
+  scale_.reserve(plan->components.size());
   for (const ComponentPlan& component : plan->components) scale_.push_back(1.0 / component.target);
   active_.assign(samples->count(), 0);
   next_.assign(samples->count(), 1);

@@ -116,6 +116,8 @@ void PlaceOnLoop(const std::vector<double>& corners, double side, double offset,
             [&](std::size_t a, std::size_t b) { return loop->arcs[a] < loop->arcs[b]; });
   std::vector<double> arcs;
   std::vector<std::uint8_t> fixed;
+  arcs.reserve(order.size());
+  fixed.reserve(order.size());
   for (const std::size_t i : order) {
     arcs.push_back(loop->arcs[i]);
     fixed.push_back(loop->fixed[i]);

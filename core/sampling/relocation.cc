@@ -125,6 +125,7 @@ std::vector<Defect> FindDefects(const Surface& surface, const Plan& plan, const 
     }
   }
   std::vector<double> squared_spacing;  // Per component.
+  squared_spacing.reserve(plan.components.size());
   for (const ComponentPlan& component : plan.components) {
     squared_spacing.push_back(4.0 / std::sqrt(3.0) * component.target);
   }
@@ -198,6 +199,7 @@ class Relocation {
   /// Triangles with room for another sample, by capacity, largest first; ties by index.
   std::vector<std::int32_t> FindRoom(std::size_t count) const {
     std::vector<std::pair<double, std::int32_t>> order;
+    order.reserve(mesh_.triangle_count());
     for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
       order.emplace_back(-geometry_.Capacity(t), t);
     }
@@ -206,6 +208,7 @@ class Relocation {
                       order.end());
     order.resize(count);
     std::vector<std::int32_t> triangles;
+    triangles.reserve(order.size());
     for (const auto& [capacity, t] : order) triangles.push_back(t);
     return triangles;
   }
@@ -314,6 +317,7 @@ std::int64_t Relocate(const std::vector<Defect>& defects,
   if (defects.empty() && uncovered.empty()) return 0;
   Relocation relocation(surface, projection, geometry, flips, mesh, samples);
   std::vector<std::int32_t> crowded;
+  crowded.reserve(defects.size());
   for (const Defect& defect : defects) crowded.push_back(defect.sample);
   for (const std::int32_t v : crowded) relocation.Reserve(v);
 

@@ -64,6 +64,7 @@ SampleSet Export(const TriangleMesh& mesh, const Samples& samples,
     set.positions[i] = u * mesh.positions[face[0]] + v * mesh.positions[face[1]] +
                        (1.0 - u - v) * mesh.positions[face[2]];
   }
+  set.triangles.reserve(triangulation.triangle_count());
   for (std::int32_t t = 0; t < triangulation.triangle_count(); ++t) {
     set.triangles.emplace_back(triangulation.origin[3 * t], triangulation.origin[3 * t + 1],
                                triangulation.origin[3 * t + 2]);

@@ -70,6 +70,7 @@ std::vector<std::int32_t> PointTree::Nearest(const Eigen::Vector3d& query, int c
   }
   order.resize(std::min(order.size(), wanted));
   std::vector<std::int32_t> result;
+  result.reserve(order.size());
   for (const auto& [distance, index] : order) result.push_back(index);
   return result;
 }
