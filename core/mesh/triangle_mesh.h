@@ -1,11 +1,28 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 namespace ccst {
+
+/// What the values of an attribute are, for those who write or show them.
+enum class AttributeKind : std::uint8_t {
+  kScalar,              ///< Anything: a quality, a temperature, a density.
+  kColor,               ///< Red, green, blue and maybe alpha in [0, 1].
+  kTextureCoordinates,  ///< u, v; (0, 0) is the lower left corner of the image.
+};
+
+/// Values carried by the vertices or the corners of a mesh, or by samples.
+struct Attribute {
+  std::string name;  ///< Unique in its mesh; "color" and "uv" where the file gives none.
+  AttributeKind kind = AttributeKind::kScalar;
+  int components = 1;         ///< K in [1, 4].
+  bool per_corner = false;    ///< Three rows a face instead of one a vertex; linear in between.
+  std::vector<float> values;  ///< Row major: V x K or 3 F x K; n x K for samples.
+};
 
 /// A plain indexed triangle list, as read from a file or a stream. No invariant holds beyond
 /// the types: indices may be out of range and coordinates non-finite until
@@ -15,6 +32,8 @@ struct TriangleMesh {
   std::vector<Eigen::Vector3d> positions;
   /// F x 3 indices into `positions`; counter-clockwise seen from outside.
   std::vector<Eigen::Vector3i> faces;
+  /// In the file's order; may be empty.
+  std::vector<Attribute> attributes;
 };
 
 }  // namespace ccst
