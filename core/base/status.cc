@@ -11,13 +11,15 @@ namespace {
 
 constexpr char kReasonPayloadUrl[] = "ccst/error-reason";
 
-constexpr std::array<std::pair<ErrorReason, std::string_view>, 14> kReasonNames = {{
+constexpr std::array<std::pair<ErrorReason, std::string_view>, 16> kReasonNames = {{
     {ErrorReason::kOptionInvalid, "OPTION_INVALID"},
     {ErrorReason::kMeshUnreadable, "MESH_UNREADABLE"},
     {ErrorReason::kDracoDecodeFailed, "DRACO_DECODE_FAILED"},
     {ErrorReason::kMeshEmpty, "MESH_EMPTY"},
     {ErrorReason::kMeshDegenerate, "MESH_DEGENERATE"},
     {ErrorReason::kMeshNotManifold, "MESH_NOT_MANIFOLD"},
+    {ErrorReason::kImageUnreadable, "IMAGE_UNREADABLE"},
+    {ErrorReason::kDensityInvalid, "DENSITY_INVALID"},
     {ErrorReason::kCountTooSmall, "COUNT_TOO_SMALL"},
     {ErrorReason::kLimitExceeded, "LIMIT_EXCEEDED"},
     {ErrorReason::kRequestInvalid, "REQUEST_INVALID"},

@@ -18,6 +18,8 @@ enum class ErrorReason {
   kMeshEmpty,          ///< No face of positive area.
   kMeshDegenerate,     ///< Non-finite coordinates or indices out of range.
   kMeshNotManifold,    ///< An edge, a vertex or the orientation is not that of a 2-manifold.
+  kImageUnreadable,    ///< The bytes are not an image of a known format.
+  kDensityInvalid,     ///< A density is negative, not finite or zero everywhere, or is missing.
   kCountTooSmall,      ///< Fewer samples than the surface's topology needs.
   kLimitExceeded,      ///< An announced limit was passed.
   kRequestInvalid,     ///< A part of the request is missing or of the wrong form.

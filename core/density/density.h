@@ -60,11 +60,11 @@ class Density {
 
   double scale_ = 1.0;
   double floor_ = 0.0;
-  std::vector<double> corners_;                // 3 F, or empty.
-  std::vector<Eigen::Vector2f> coordinates_;   // 3 F, or empty.
-  std::vector<float> pixels_per_area_;         // F: pixels under one unit of area.
-  std::vector<Image> pyramid_;                 // Of halved sizes, or empty.
-  std::vector<double> face_areas_;             // F.
+  std::vector<double> corners_;               // 3 F, or empty.
+  std::vector<Eigen::Vector2f> coordinates_;  // 3 F, or empty.
+  std::vector<float> pixels_per_area_;        // F: pixels under one unit of area.
+  std::vector<Image> pyramid_;                // Of halved sizes, or empty.
+  std::vector<double> face_areas_;            // F.
   std::vector<double> face_capacities_;
   std::vector<double> component_capacities_;
 };

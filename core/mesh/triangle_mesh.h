@@ -33,7 +33,7 @@ struct TriangleMesh {
   /// F x 3 indices into `positions`; counter-clockwise seen from outside.
   std::vector<Eigen::Vector3i> faces;
   /// In the file's order; may be empty.
-  std::vector<Attribute> attributes;
+  std::vector<Attribute> attributes = {};
 };
 
 }  // namespace ccst

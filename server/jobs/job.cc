@@ -141,8 +141,9 @@ void Job::AddReport(const AlternationReport& report) {
 void Job::End(absl::StatusOr<JobResult> outcome) {
   const bool stopped = outcome.ok() ? outcome->run.termination == Termination::kStopped
                                     : absl::IsCancelled(outcome.status());
+  const absl::Status status = outcome.status();
   std::shared_ptr<const JobResult> result;
-  if (outcome.ok() && !stopped) result = std::make_shared<const JobResult>(*std::move(outcome));
+  if (status.ok() && !stopped) result = std::make_shared<const JobResult>(*std::move(outcome));
   {
     MutexLock lock(mutex_);
     if (stopped) {
@@ -156,7 +157,7 @@ void Job::End(absl::StatusOr<JobResult> outcome) {
       view_.result = std::move(result);
       Advance(JobEvent::kFinished);
     } else {
-      view_.error = outcome.status();
+      view_.error = status;
       Advance(JobEvent::kFailed);
     }
     view_.end_time = clock_.now();

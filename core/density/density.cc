@@ -1,0 +1,241 @@
+#include "core/density/density.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+
+namespace ccst {
+namespace {
+
+/// A part of a face is cut further until it covers about this many pixels, or this deep.
+constexpr double kPartPixels = 2.0;
+constexpr int kDeepest = 8;
+
+/// The four congruent parts of a triangle, in the order of a curve that enters at the first corner.
+/// Source: Basu and Owen, "Low discrepancy constructions in the triangle", SINUM 53(2), 2015.
+std::array<std::array<Eigen::Vector3d, 3>, 4> Quarter(const std::array<Eigen::Vector3d, 3>& part) {
+  const auto& [a, b, c] = part;
+  const Eigen::Vector3d ab = 0.5 * (a + b);
+  const Eigen::Vector3d bc = 0.5 * (b + c);
+  const Eigen::Vector3d ca = 0.5 * (c + a);
+  return {{{a, ab, ca}, {ab, b, bc}, {ab, bc, ca}, {ca, bc, c}}};
+}
+
+Eigen::Vector3d Center(const std::array<Eigen::Vector3d, 3>& part) {
+  return (part[0] + part[1] + part[2]) / 3.0;
+}
+
+/// The same image at half the size; pixels beyond an odd edge are repeated.
+Image Halve(const Image& image) {
+  Image half;
+  half.width = (image.width + 1) / 2;
+  half.height = (image.height + 1) / 2;
+  half.values.resize(static_cast<std::size_t>(half.width) * half.height);
+  const auto at = [&](std::int32_t x, std::int32_t y) {
+    return image.values[static_cast<std::size_t>(std::min(y, image.height - 1)) * image.width +
+                        std::min(x, image.width - 1)];
+  };
+  for (std::int32_t y = 0; y < half.height; ++y) {
+    for (std::int32_t x = 0; x < half.width; ++x) {
+      half.values[static_cast<std::size_t>(y) * half.width + x] =
+          0.25F * (at(2 * x, 2 * y) + at(2 * x + 1, 2 * y) + at(2 * x, 2 * y + 1) +
+                   at(2 * x + 1, 2 * y + 1));
+    }
+  }
+  return half;
+}
+
+/// Bilinear between pixel centres; the image is repeated in both directions.
+double Lookup(const Image& image, double u, double v) {
+  const double x = (u - std::floor(u)) * image.width - 0.5;
+  const double y = (1.0 - (v - std::floor(v))) * image.height - 0.5;
+  const double x0 = std::floor(x);
+  const double y0 = std::floor(y);
+  const auto wrap = [](double i, std::int32_t size) {
+    const auto k = static_cast<std::int32_t>(i) % size;
+    return static_cast<std::size_t>(k < 0 ? k + size : k);
+  };
+  const std::size_t left = wrap(x0, image.width);
+  const std::size_t right = wrap(x0 + 1.0, image.width);
+  const std::size_t top = wrap(y0, image.height) * image.width;
+  const std::size_t bottom = wrap(y0 + 1.0, image.height) * image.width;
+  const double s = x - x0;
+  const double t = y - y0;
+  const auto& pixel = image.values;
+  return (1.0 - t) * ((1.0 - s) * pixel[top + left] + s * pixel[top + right]) +
+         t * ((1.0 - s) * pixel[bottom + left] + s * pixel[bottom + right]);
+}
+
+absl::Status CheckContrast(double max_contrast) {
+  if (max_contrast > 1.0 && std::isfinite(max_contrast)) return absl::OkStatus();
+  return MakeError(
+      absl::StatusCode::kInvalidArgument, ErrorReason::kOptionInvalid,
+      absl::StrCat("max_contrast is ", max_contrast, "; it must be finite and over 1"));
+}
+
+absl::Status Invalid(std::string message) {
+  return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kDensityInvalid,
+                   std::move(message));
+}
+
+}  // namespace
+
+Density Density::Uniform(const Surface& surface) {
+  Density density;
+  density.face_areas_ = surface.face_areas();
+  density.face_capacities_ = surface.face_areas();
+  density.component_capacities_ = surface.component_areas();
+  return density;
+}
+
+absl::StatusOr<Density> Density::Linear(const Surface& surface, std::vector<double> corners,
+                                        double max_contrast) {
+  CCST_RETURN_IF_ERROR(CheckContrast(max_contrast));
+  double largest = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (!(corners[i] >= 0.0) || !std::isfinite(corners[i])) {
+      return Invalid(absl::StrCat("the density is ", corners[i], " at corner ", i % 3, " of face ",
+                                  i / 3, "; it must be finite and not negative"));
+    }
+    if (surface.face_areas()[i / 3] > 0.0) largest = std::max(largest, corners[i]);
+  }
+  if (!(largest > 0.0)) return Invalid("the density is 0 everywhere; some of it must be positive");
+  // Far from the limits of doubles, whatever the unit.
+  for (double& value : corners) value = std::max(value / largest, 1.0 / max_contrast);
+  Density density;
+  density.corners_ = std::move(corners);
+  density.Normalise(surface);
+  return density;
+}
+
+absl::StatusOr<Density> Density::Textured(const Surface& surface,
+                                          const std::vector<Eigen::Vector2d>& coordinates,
+                                          const Image& image, double max_contrast) {
+  CCST_RETURN_IF_ERROR(CheckContrast(max_contrast));
+  float largest = 0.0F;
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    if (!(image.values[i] >= 0.0F) || !std::isfinite(image.values[i])) {
+      return Invalid(absl::StrCat("the image is ", image.values[i], " at pixel (", i % image.width,
+                                  ", ", i / image.width, "); it must be finite and not negative"));
+    }
+    largest = std::max(largest, image.values[i]);
+  }
+  if (!(largest > 0.0F)) return Invalid("the density is 0 everywhere; some of it must be positive");
+  Density density;
+  density.coordinates_.resize(coordinates.size());
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    // Beyond this no fraction is left of them.
+    if (!(coordinates[i].cwiseAbs().maxCoeff() < 1e6)) {
+      return Invalid(absl::StrCat("the texture coordinates of corner ", i % 3, " of face ", i / 3,
+                                  " are (", coordinates[i][0], ", ", coordinates[i][1],
+                                  "); they must be finite and below 1e6"));
+    }
+    density.coordinates_[i] = coordinates[i].cast<float>();
+  }
+  density.pyramid_.push_back(image);
+  for (float& value : density.pyramid_[0].values) value /= largest;
+  while (density.pyramid_.back().width > 1 || density.pyramid_.back().height > 1) {
+    density.pyramid_.push_back(Halve(density.pyramid_.back()));
+  }
+  density.floor_ = 1.0 / max_contrast;
+  const double pixels = static_cast<double>(image.width) * image.height;
+  density.pixels_per_area_.resize(surface.face_count());
+  for (std::int32_t f = 0; f < surface.face_count(); ++f) {
+    const Eigen::Vector2d a = coordinates[3 * f + 1] - coordinates[3 * f];
+    const Eigen::Vector2d b = coordinates[3 * f + 2] - coordinates[3 * f];
+    const double covered = 0.5 * std::abs(a[0] * b[1] - a[1] * b[0]) * pixels;
+    const double area = surface.face_areas()[f];
+    density.pixels_per_area_[f] = area > 0.0 ? static_cast<float>(covered / area) : 0.0F;
+  }
+  density.Normalise(surface);
+  return density;
+}
+
+double Density::At(std::int32_t face, const Eigen::Vector3d& weights, double area) const {
+  return uniform() ? 1.0 : scale_ * Value(face, weights, area);
+}
+
+double Density::Value(std::int32_t face, const Eigen::Vector3d& weights, double area) const {
+  if (pyramid_.empty()) {
+    return weights[0] * corners_[3 * face] + weights[1] * corners_[3 * face + 1] +
+           weights[2] * corners_[3 * face + 2];
+  }
+  const double u = weights[0] * coordinates_[3 * face][0] +
+                   weights[1] * coordinates_[3 * face + 1][0] +
+                   weights[2] * coordinates_[3 * face + 2][0];
+  const double v = weights[0] * coordinates_[3 * face][1] +
+                   weights[1] * coordinates_[3 * face + 1][1] +
+                   weights[2] * coordinates_[3 * face + 2][1];
+  const double pixels = area * pixels_per_area_[face];
+  const double level = std::min(pixels > 1.0 ? 0.5 * std::log2(pixels) : 0.0,
+                                static_cast<double>(pyramid_.size() - 1));
+  const auto low = static_cast<std::size_t>(level);
+  double value = Lookup(pyramid_[low], u, v);
+  if (level > static_cast<double>(low)) {
+    value += (level - static_cast<double>(low)) * (Lookup(pyramid_[low + 1], u, v) - value);
+  }
+  return std::max(value, floor_);
+}
+
+double Density::Mean(std::int32_t face, const std::array<Eigen::Vector3d, 3>& part,
+                     double share) const {
+  if (pyramid_.empty()) return Value(face, Center(part), 0.0);
+  const double area = share * face_areas_[face];
+  if (area * pixels_per_area_[face] <= kPartPixels || share < std::pow(0.25, kDeepest - 0.5)) {
+    return Value(face, Center(part), area);
+  }
+  double sum = 0.0;
+  for (const auto& quarter : Quarter(part)) sum += Mean(face, quarter, 0.25 * share);
+  return 0.25 * sum;
+}
+
+void Density::Normalise(const Surface& surface) {
+  face_areas_ = surface.face_areas();
+  const std::array<Eigen::Vector3d, 3> whole = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
+                                                Eigen::Vector3d::UnitZ()};
+  face_capacities_.resize(face_areas_.size());
+  double total = 0.0;
+  for (std::size_t f = 0; f < face_areas_.size(); ++f) {
+    face_capacities_[f] = face_areas_[f] * Mean(static_cast<std::int32_t>(f), whole, 1.0);
+    total += face_capacities_[f];
+  }
+  scale_ = surface.area() / total;
+  component_capacities_.assign(surface.component_areas().size(), 0.0);
+  for (std::size_t f = 0; f < face_areas_.size(); ++f) {
+    face_capacities_[f] *= scale_;
+    component_capacities_[surface.face_components()[f]] += face_capacities_[f];
+  }
+}
+
+Eigen::Vector3d Density::PointAt(std::int32_t face, double t) const {
+  std::array<Eigen::Vector3d, 3> part = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
+                                         Eigen::Vector3d::UnitZ()};
+  // Below this share the density counts as constant and the last digits of t are uniform.
+  constexpr int kLevels = 26;
+  double share = 1.0;
+  for (int level = 0; level < kLevels; ++level, share *= 0.25) {
+    const auto quarters = Quarter(part);
+    int digit;
+    if (uniform() || level >= kDeepest) {
+      t *= 4.0;
+      digit = std::min(3, static_cast<int>(t));
+      t -= digit;
+    } else {
+      std::array<double, 4> mean;
+      double sum = 0.0;
+      for (int k = 0; k < 4; ++k) sum += mean[k] = Mean(face, quarters[k], 0.25 * share);
+      t *= sum;
+      digit = 0;
+      while (digit < 3 && t >= mean[digit]) t -= mean[digit++];
+      t = std::min(t / mean[digit], 1.0 - 0x1.0p-53);
+    }
+    part = quarters[digit];
+  }
+  return Center(part);
+}
+
+}  // namespace ccst
