@@ -105,9 +105,7 @@ class Insertion {
       const std::int32_t l = samples_.loop[i];
       if (l < 0 || adopted_[i]) continue;
       const LoopPlan& loop = plan_.loops[l];
-      const auto after = std::upper_bound(loop.start.begin(), loop.start.end(), samples_.arc[i]);
-      const auto k = std::max<std::ptrdiff_t>(0, after - loop.start.begin() - 1);
-      const std::int32_t h = surface_.boundary_loops()[l].half_edges[k];
+      const std::int32_t h = surface_.boundary_loops()[l].half_edges[loop.Segment(samples_.arc[i])];
       if (l != last_loop || h != last_half_edge) {
         ahead = FindEdgeBetween(vertex_of_[surface_.Origin(h)], vertex_of_[surface_.Target(h)], h);
       }

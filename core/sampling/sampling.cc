@@ -12,7 +12,9 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/interrupt.h"
 #include "core/base/status.h"
+#include "core/density/density.h"
 #include "core/quality/distances.h"
+#include "core/sampling/density_source.h"
 #include "core/sampling/initial_mesh.h"
 #include "core/sampling/initial_points.h"
 #include "core/sampling/plan.h"
@@ -80,12 +82,12 @@ struct Start {
 };
 
 /// @param smallest  set to the next count worth trying when this one is too small.
-absl::StatusOr<Start> TryStart(const Surface& surface, std::int64_t count, std::uint64_t seed,
-                               Interrupt* interrupt, std::int64_t* smallest) {
+absl::StatusOr<Start> TryStart(const Surface& surface, const Density& density, std::int64_t count,
+                               std::uint64_t seed, Interrupt* interrupt, std::int64_t* smallest) {
   Start start;
   *smallest = count + 1;
-  CCST_ASSIGN_OR_RETURN(start.plan, MakePlan(surface, count, seed, smallest));
-  start.samples = DrawInitialPoints(surface, start.plan, seed);
+  CCST_ASSIGN_OR_RETURN(start.plan, MakePlan(surface, density, count, seed, smallest));
+  start.samples = DrawInitialPoints(surface, density, start.plan, seed);
   CCST_ASSIGN_OR_RETURN(start.mesh,
                         BuildInitialMesh(surface, start.plan, start.samples, interrupt));
   return start;
@@ -93,16 +95,17 @@ absl::StatusOr<Start> TryStart(const Surface& surface, std::int64_t count, std::
 
 /// Like TryStart(); when the count is too small for the topology, the error names the next one
 /// that works with this seed.
-absl::StatusOr<Start> MakeStart(const Surface& surface, const SamplingOptions& options,
-                                Interrupt* interrupt) {
+absl::StatusOr<Start> MakeStart(const Surface& surface, const Density& density,
+                                const SamplingOptions& options, Interrupt* interrupt) {
   std::int64_t next = 0;
   absl::StatusOr<Start> start =
-      TryStart(surface, options.sample_count, options.seed, interrupt, &next);
+      TryStart(surface, density, options.sample_count, options.seed, interrupt, &next);
   constexpr int kMaxTries = 64;
   for (int attempt = 0; attempt < kMaxTries && next <= kMaxSampleCount; ++attempt) {
     if (start.ok() || GetErrorReason(start.status()) != ErrorReason::kCountTooSmall) return start;
     const std::int64_t count = next;
-    const absl::StatusOr<Start> other = TryStart(surface, count, options.seed, interrupt, &next);
+    const absl::StatusOr<Start> other =
+        TryStart(surface, density, count, options.seed, interrupt, &next);
     if (absl::IsCancelled(other.status())) return other.status();
     if (!other.ok()) continue;
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
@@ -114,7 +117,8 @@ absl::StatusOr<Start> MakeStart(const Surface& surface, const SamplingOptions& o
 }
 
 /// Smallest distance between samples on the same side over the hexagonal spacing.
-double RelativeRadius(const Surface& surface, const Samples& samples) {
+double RelativeRadius(const Surface& surface, const Density& density, const Plan& plan,
+                      const Samples& samples) {
   std::vector<Eigen::Vector3d> normals(samples.position.size());
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const Eigen::Vector3i& face = surface.faces()[samples.face[i]];
@@ -123,7 +127,15 @@ double RelativeRadius(const Surface& surface, const Samples& samples) {
                      .cross(surface.positions()[face[2]] - corner)
                      .normalized();
   }
-  return quality::MeasureDistances(samples.position, normals, surface.area())
+  std::vector<double> scales;  // Of lengths, by the density.
+  if (!density.uniform()) {
+    scales.resize(samples.position.size());
+    for (std::int32_t i = 0; i < samples.count(); ++i) {
+      const double footprint = 0.5 * plan.spacing * plan.spacing;
+      scales[i] = 1.0 / std::sqrt(density.At(samples.face[i], samples.weights[i], footprint));
+    }
+  }
+  return quality::MeasureDistances(samples.position, normals, surface.area(), {}, scales)
       .relative_radius_same_side;
 }
 
@@ -146,6 +158,7 @@ absl::Status SamplingOptions::Validate() const {
     return OptionError(
         absl::StrCat("time_limit_seconds is ", *time_limit_seconds, "; it must be greater than 0"));
   }
+  CCST_RETURN_IF_ERROR(ValidateDensity(density));
   if (thread_count < 1) {
     return OptionError(absl::StrCat("thread_count is ", thread_count, "; it must be at least 1"));
   }
@@ -165,11 +178,12 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   enter(Phase::kPreparing);
   CCST_ASSIGN_OR_RETURN(const Surface surface, Surface::Build(mesh, &stop));
   if (stop.Requested()) return absl::CancelledError("stopped before the first samples");
+  CCST_ASSIGN_OR_RETURN(const Density density, MakeDensity(mesh, surface, options.density));
   SamplingResult result;
   result.prepare_seconds = SecondsSince(start);
 
   enter(Phase::kInitializing);
-  CCST_ASSIGN_OR_RETURN(Start first, MakeStart(surface, options, &stop));
+  CCST_ASSIGN_OR_RETURN(Start first, MakeStart(surface, density, options, &stop));
   result.surface = Summarise(surface, first.plan);
   result.initialise_seconds = SecondsSince(start) - result.prepare_seconds;
 
@@ -196,7 +210,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   }
   Interrupt interrupt(run.stop, deadline);
   const RelaxationReport relaxed =
-      Relax(surface, first.plan, options, report, &interrupt, &first.mesh, &first.samples);
+      Relax(surface, density, first.plan, options, report, &interrupt, &first.mesh, &first.samples);
   result.termination = relaxed.termination;
   result.alternations = relaxed.alternations;
   result.passes = relaxed.passes;
@@ -208,7 +222,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   enter(Phase::kFinalizing);
   result.samples = Export(mesh, first.samples, first.mesh);
   if (result.termination != Termination::kStopped) {
-    result.relative_radius = RelativeRadius(surface, first.samples);
+    result.relative_radius = RelativeRadius(surface, density, first.plan, first.samples);
   }
   return result;
 }

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "absl/status/statusor.h"
+#include "core/density/image.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/sampling/run_control.h"
 
@@ -26,6 +29,32 @@ enum class Energy {
   kSquaredArea,  ///< sum_t C_t^2, as printed in the paper; pulls samples off tips.
 };
 
+/// Where the target density comes from.
+enum class DensitySource {
+  kUniform,
+  kAttribute,  ///< A scalar attribute of the mesh, linear over each face.
+  kCurvature,  ///< The shape.
+  kTexture,    ///< An image over the mesh's texture coordinates.
+};
+
+/// What is measured of the principal curvatures k1, k2 [1 / mesh unit].
+enum class CurvatureMeasure {
+  kGaussian,  ///< sqrt(|k1 k2|), the paper's choice (its figure 4).
+  kMean,      ///< |k1 + k2| / 2.
+  kMaximum,   ///< max(|k1|, |k2|).
+};
+
+/// The target density of samples; only its ratios count.
+struct DensityOptions {
+  DensitySource source = DensitySource::kUniform;
+  std::string attribute;  ///< Name of the attribute; its values must be finite and >= 0.
+  CurvatureMeasure measure = CurvatureMeasure::kGaussian;
+  std::shared_ptr<const Image> image;  ///< Dark places get more samples.
+  bool bright_is_dense = false;        ///< Bright places get more samples instead.
+  double exponent = 1.0;               ///< In [0, 4]; the density is the source to this power.
+  double max_contrast = 100.0;  ///< In (1, 1e6]; densities below the largest over this are raised.
+};
+
 /// Everything that determines the samples, apart from the mesh. `thread_count` must not
 /// change them.
 struct SamplingOptions {
@@ -35,6 +64,7 @@ struct SamplingOptions {
                                      ///< than this an alternation, over three of them.
   std::uint64_t seed = 0;            ///< Part of the result's identity.
   Energy energy = Energy::kTarget;
+  DensityOptions density;
   /// Wall-clock bound of the computation [s], > 0; a run that hits it returns its last whole
   /// iterate. Results then depend on the machine.
   std::optional<double> time_limit_seconds;
@@ -81,7 +111,8 @@ struct SamplingResult {
   std::int64_t passes = 0;  ///< Sweeps over all samples, summed over the alternations.
   double energy = 0.0;      ///< As in AlternationReport.
   double capacity_cv = 0.0;
-  double relative_radius = 0.0;  ///< d_min / r_max between samples on the same side.
+  double relative_radius = 0.0;  ///< d_min / r_max between samples on the same side, distances
+                                 ///< in units of the spacing that the density asks for there.
   double prepare_seconds = 0.0;
   double initialise_seconds = 0.0;
   double optimise_seconds = 0.0;
@@ -95,7 +126,8 @@ struct SamplingResult {
 /// @param run      stop and progress; being stopped is a result, not an error.
 /// @return exactly sample_count samples in an order fixed by mesh, options and seed. The same
 ///         bits for every thread_count, with and without a progress sink.
-/// @errors INVALID_ARGUMENT       OPTION_INVALID | MESH_EMPTY | MESH_DEGENERATE (names the first
+/// @errors INVALID_ARGUMENT       OPTION_INVALID | DENSITY_INVALID | MESH_EMPTY | MESH_DEGENERATE
+/// (names the first
 ///                                culprit) | COUNT_TOO_SMALL (names the smallest that works)
 ///         FAILED_PRECONDITION    MESH_NOT_MANIFOLD (says where)
 ///         CANCELLED              stopped before there was an iterate to return

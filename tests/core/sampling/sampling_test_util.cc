@@ -32,10 +32,12 @@ absl::StatusOr<Start> MakeStart(const TriangleMesh& mesh, std::int64_t count, st
   Interrupt never;
   CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(mesh));
   std::int64_t smallest = 0;
-  CCST_ASSIGN_OR_RETURN(Plan plan, MakePlan(surface, count, seed, &smallest));
-  Samples samples = DrawInitialPoints(surface, plan, seed);
+  Density density = Density::Uniform(surface);
+  CCST_ASSIGN_OR_RETURN(Plan plan, MakePlan(surface, density, count, seed, &smallest));
+  Samples samples = DrawInitialPoints(surface, density, plan, seed);
   CCST_ASSIGN_OR_RETURN(SampleMesh triangulation, BuildInitialMesh(surface, plan, samples, &never));
-  return Start{std::move(surface), std::move(plan), std::move(samples), std::move(triangulation)};
+  return Start{std::move(surface), std::move(density), std::move(plan), std::move(samples),
+               std::move(triangulation)};
 }
 
 std::vector<Eigen::Vector3i> Triangles(const SampleMesh& mesh) {

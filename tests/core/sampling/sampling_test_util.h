@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "absl/status/statusor.h"
+#include "core/density/density.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/quality/mesh_topology.h"
 #include "core/sampling/plan.h"
@@ -21,6 +22,7 @@ namespace ccst::sampling_test {
 /// A surface with its initial samples and their triangulation.
 struct Start {
   Surface surface;
+  Density density;
   Plan plan;
   Samples samples;
   SampleMesh mesh;
