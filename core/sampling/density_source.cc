@@ -16,8 +16,6 @@
 namespace ccst {
 namespace {
 
-constexpr double kLargestExponent = 4.0;
-constexpr double kLargestContrast = 1e6;
 /// Share of the area whose curvatures count as they are.
 constexpr double kCurvatureQuantile = 0.99;
 
@@ -144,6 +142,9 @@ absl::StatusOr<Density> FromTexture(const TriangleMesh& mesh, const Surface& sur
                                                           ValueAt(mesh, *found, f, k, 1)};
     }
   }
+  if (options.image == nullptr || options.image->values.empty()) {
+    return Invalid("the image of the texture density is empty");
+  }
   Image image = *options.image;
   for (float& value : image.values) {
     const double grey = std::clamp(static_cast<double>(value), 0.0, 1.0);
@@ -156,19 +157,19 @@ absl::StatusOr<Density> FromTexture(const TriangleMesh& mesh, const Surface& sur
 }  // namespace
 
 absl::Status ValidateDensity(const DensityOptions& options) {
-  if (!(options.exponent >= 0.0 && options.exponent <= kLargestExponent)) {
+  if (!(options.exponent >= 0.0 && options.exponent <= kMaxDensityExponent)) {
     return OptionError(absl::StrCat("density.exponent is ", options.exponent,
-                                    "; it must be in [0, ", kLargestExponent, "]"));
+                                    "; it must be in [0, ", kMaxDensityExponent, "]"));
   }
-  if (!(options.max_contrast > 1.0 && options.max_contrast <= kLargestContrast)) {
+  if (!(options.max_contrast > 1.0 && options.max_contrast <= kMaxDensityContrast)) {
     return OptionError(absl::StrCat("density.max_contrast is ", options.max_contrast,
-                                    "; it must be in (1, ", kLargestContrast, "]"));
+                                    "; it must be in (1, ", kMaxDensityContrast, "]"));
   }
   if (options.source == DensitySource::kAttribute && options.attribute.empty()) {
     return OptionError("density.attribute is empty; name a scalar attribute of the mesh");
   }
   if (options.source == DensitySource::kTexture &&
-      (options.image == nullptr || options.image->values.empty())) {
+      options.image == nullptr && options.encoded_image == nullptr) {
     return OptionError("density.image is missing; a texture density needs an image");
   }
   return absl::OkStatus();

@@ -8,7 +8,8 @@
 
 namespace ccst {
 
-/// OPTION_INVALID naming the first field of `options` that is out of its range.
+/// OPTION_INVALID naming the first field of `options` that is out of its range; an image that is
+/// yet to be decoded will do.
 absl::Status ValidateDensity(const DensityOptions& options);
 
 /// The density that `options` ask for on `surface`, which was built from `mesh`.

@@ -44,15 +44,21 @@ enum class CurvatureMeasure {
   kMaximum,   ///< max(|k1|, |k2|).
 };
 
+inline constexpr double kMaxDensityExponent = 4.0;
+inline constexpr double kMaxDensityContrast = 1e6;
+
 /// The target density of samples; only its ratios count.
 struct DensityOptions {
   DensitySource source = DensitySource::kUniform;
   std::string attribute;  ///< Name of the attribute; its values must be finite and >= 0.
   CurvatureMeasure measure = CurvatureMeasure::kGaussian;
   std::shared_ptr<const Image> image;  ///< Dark places get more samples.
+  std::shared_ptr<const std::string> encoded_image;  ///< What `image` is decoded from before the
+                                                     ///< run, by whoever has a decoder.
   bool bright_is_dense = false;        ///< Bright places get more samples instead.
-  double exponent = 1.0;               ///< In [0, 4]; the density is the source to this power.
-  double max_contrast = 100.0;  ///< In (1, 1e6]; densities below the largest over this are raised.
+  double exponent = 1.0;               ///< In [0, kMaxDensityExponent]; power of the source.
+  double max_contrast = 100.0;         ///< In (1, kMaxDensityContrast]; densities below the
+                                       ///< largest over this are raised to it.
 };
 
 /// Everything that determines the samples, apart from the mesh. `thread_count` must not

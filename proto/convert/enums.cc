@@ -40,6 +40,32 @@ v1::TerminationReason ToProto(Termination termination) {
   return v1::TERMINATION_REASON_UNSPECIFIED;
 }
 
+v1::CurvatureDensity::Measure ToProto(CurvatureMeasure measure) {
+  switch (measure) {
+    case CurvatureMeasure::kGaussian:
+      return v1::CurvatureDensity::MEASURE_GAUSSIAN;
+    case CurvatureMeasure::kMean:
+      return v1::CurvatureDensity::MEASURE_MEAN;
+    case CurvatureMeasure::kMaximum:
+      return v1::CurvatureDensity::MEASURE_MAXIMUM;
+  }
+  return v1::CurvatureDensity::MEASURE_UNSPECIFIED;
+}
+
+std::optional<CurvatureMeasure> FromProto(v1::CurvatureDensity::Measure measure) {
+  switch (measure) {
+    case v1::CurvatureDensity::MEASURE_UNSPECIFIED:
+    case v1::CurvatureDensity::MEASURE_GAUSSIAN:
+      return CurvatureMeasure::kGaussian;
+    case v1::CurvatureDensity::MEASURE_MEAN:
+      return CurvatureMeasure::kMean;
+    case v1::CurvatureDensity::MEASURE_MAXIMUM:
+      return CurvatureMeasure::kMaximum;
+    default:
+      return std::nullopt;
+  }
+}
+
 std::optional<Energy> FromProto(v1::Energy energy) {
   switch (energy) {
     case v1::ENERGY_UNSPECIFIED:
