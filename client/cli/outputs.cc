@@ -68,7 +68,8 @@ absl::Status CheckWritable(const std::string& path) {
 }
 
 absl::StatusOr<std::string> EncodePicture(const MeshInput& input, const SampleOutcome& outcome) {
-  CCST_ASSIGN_OR_RETURN(const Image image, RenderPicture(input.file.mesh, outcome.result.samples));
+  CCST_ASSIGN_OR_RETURN(const RgbImage image,
+                        RenderPicture(input.file.mesh, outcome.result.samples));
   return EncodePng(image);
 }
 

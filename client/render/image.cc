@@ -23,7 +23,7 @@ void Append(void* context, void* data, int size) {
 
 }  // namespace
 
-absl::StatusOr<std::string> EncodePng(const Image& image) {
+absl::StatusOr<std::string> EncodePng(const RgbImage& image) {
   std::string bytes;
   if (stbi_write_png_to_func(&Append, &bytes, image.width, image.height, 3, image.rgb.data(),
                              3 * image.width) == 0) {

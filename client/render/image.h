@@ -9,7 +9,7 @@
 namespace ccst {
 
 /// A picture: height x width x 3 bytes (sRGB), rows from the top.
-struct Image {
+struct RgbImage {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> rgb;
@@ -21,6 +21,6 @@ struct Image {
 };
 
 /// The bytes of a PNG file holding `image`. INTERNAL when it cannot be encoded.
-absl::StatusOr<std::string> EncodePng(const Image& image);
+absl::StatusOr<std::string> EncodePng(const RgbImage& image);
 
 }  // namespace ccst

@@ -73,7 +73,7 @@ std::uint8_t ToSrgb(float linear) {
 
 // Averages factor x factor sub-pixels in linear light into the columns from `left` on.
 void Resolve(const std::vector<Color>& colors, int panel_width, int factor, int left,
-             Image& image) {
+             RgbImage& image) {
   const std::size_t stride = static_cast<std::size_t>(panel_width) * factor;
   const float scale = 1.0f / static_cast<float>(factor * factor);
   for (int y = 0; y < image.height; ++y) {
@@ -136,8 +136,8 @@ std::vector<Color> DrawSampleMesh(const SampleSet& samples, const Scene& scene) 
 
 }  // namespace
 
-absl::StatusOr<Image> RenderPicture(const TriangleMesh& surface, const SampleSet& samples,
-                                    const PictureOptions& options) {
+absl::StatusOr<RgbImage> RenderPicture(const TriangleMesh& surface, const SampleSet& samples,
+                                       const PictureOptions& options) {
   for (const absl::Status& status : {CheckRange("width", options.width, 16, 16384),
                                      CheckRange("height", options.height, 16, 16384),
                                      CheckRange("supersampling", options.supersampling, 1, 8),
@@ -168,7 +168,7 @@ absl::StatusOr<Image> RenderPicture(const TriangleMesh& surface, const SampleSet
   scene.spacing = std::sqrt(2.0 * Area(mesh) / (std::sqrt(3.0) * count));
   scene.unit_pixels = scene.camera.PixelsPerUnit(scene.camera.eye().z());
 
-  Image image;
+  RgbImage image;
   image.width = options.width;
   image.height = options.height;
   image.rgb.assign(static_cast<std::size_t>(3) * image.width * image.height, 255);

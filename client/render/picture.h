@@ -22,7 +22,7 @@ struct PictureOptions {
 /// @return an image of options.width x options.height.
 /// @errors INVALID_ARGUMENT naming the option, index or coordinate that is out of range.
 /// Cost O(F + n + pixels); about 100 bytes of memory a pixel. Equal arguments give equal bytes.
-absl::StatusOr<Image> RenderPicture(const TriangleMesh& surface, const SampleSet& samples,
-                                    const PictureOptions& options = {});
+absl::StatusOr<RgbImage> RenderPicture(const TriangleMesh& surface, const SampleSet& samples,
+                                       const PictureOptions& options = {});
 
 }  // namespace ccst

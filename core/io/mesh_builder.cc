@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/io/io_errors.h"
 #include "core/io/numbers.h"
+#include "core/mesh/attributes.h"
 
 namespace ccst::io {
 namespace {
@@ -43,7 +44,7 @@ bool MeshBuilder::Accepts(std::span<const std::int64_t> corners) const {
                      [bound](std::int64_t corner) { return corner >= 0 && corner < bound; });
 }
 
-void MeshBuilder::AppendFan(std::span<const std::int64_t> corners) {
+void MeshBuilder::AppendTriangles(std::span<const std::int64_t> corners) {
   auto& faces = file_.mesh.faces;
   auto& source = file_.face_source;
   // The map back stays empty while it would say i -> i.
@@ -97,6 +98,19 @@ absl::Status MeshBuilder::RefuseFace(std::span<const std::int64_t> corners,
       absl::StrCat(where, ": more than ", limits_.max_faces, " triangles, the most accepted"));
 }
 
+void MeshBuilder::AddCornerTexture(std::span<const Eigen::Vector2f> uv) {
+  Attribute attribute{.name = "uv",
+                      .kind = AttributeKind::kTextureCoordinates,
+                      .components = 2,
+                      .per_corner = true};
+  attribute.values.reserve(2 * uv.size());
+  for (const Eigen::Vector2f& coordinates : uv) {
+    attribute.values.push_back(coordinates.x());
+    attribute.values.push_back(coordinates.y());
+  }
+  AddAttribute(std::move(attribute));
+}
+
 absl::StatusOr<MeshFile> MeshBuilder::Finish(
     const std::function<std::string(std::int64_t)>& where_is_face) && {
   if (file_.mesh.faces.empty()) {
@@ -109,6 +123,7 @@ absl::StatusOr<MeshFile> MeshBuilder::Finish(
     source_faces_ = file_.face_source.empty() ? static_cast<std::int64_t>(i) : file_.face_source[i];
     return RefuseCorner(worst, where_is_face ? where_is_face(source_faces_) : "at the end", count);
   }
+  NameAttributes(file_.mesh.attributes);
   return std::move(file_);
 }
 

@@ -4,6 +4,8 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -12,6 +14,17 @@
 #include "core/io/mesh_file.h"
 
 namespace ccst::io {
+
+/// Appends what the corners of a polygon have, in the order in which AddFace() cuts it into a fan:
+/// three values a triangle.
+template <typename T>
+void AppendFan(std::span<const T> polygon, std::vector<T>& corners) {
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    corners.push_back(polygon[0]);
+    corners.push_back(polygon[i - 1]);
+    corners.push_back(polygon[i]);
+  }
+}
 
 /// Collects what a reader finds: cuts polygons into fans, keeps the limits, refuses what is not
 /// a mesh. `where` arguments are called for messages only.
@@ -47,12 +60,21 @@ class MeshBuilder {
   absl::Status AddFace(std::span<const std::int64_t> corners, const WhereFunction& where) {
     if (!Accepts(corners)) [[unlikely]]
       return RefuseFace(corners, where());
-    AppendFan(corners);
+    AppendTriangles(corners);
     return absl::OkStatus();
   }
 
+  /// Adds values, which must be as many as the vertices or corners need at the end. Names need not
+  /// be unique.
+  void AddAttribute(Attribute attribute) { file_.mesh.attributes.push_back(std::move(attribute)); }
+
+  /// Adds texture coordinates, one a corner in the order of AppendFan().
+  void AddCornerTexture(std::span<const Eigen::Vector2f> uv);
+
   std::int64_t vertices() const { return static_cast<std::int64_t>(file_.mesh.positions.size()); }
   std::int64_t faces() const { return source_faces_; }
+  /// Of the triangles so far.
+  std::size_t corners() const { return 3 * file_.mesh.faces.size(); }
 
   /// @param where_is_face  place of the file's i-th face, for corners that can be checked at the
   ///                       end only; may be null.
@@ -62,7 +84,7 @@ class MeshBuilder {
 
  private:
   bool Accepts(std::span<const std::int64_t> corners) const;
-  void AppendFan(std::span<const std::int64_t> corners);
+  void AppendTriangles(std::span<const std::int64_t> corners);
   absl::Status RefuseVertex(const Eigen::Vector3d& position, const std::string& where) const;
   absl::Status RefuseFace(std::span<const std::int64_t> corners, const std::string& where) const;
   absl::Status RefuseCorner(std::int64_t corner, const std::string& where,

@@ -9,18 +9,21 @@ namespace ccst::io {
 
 // One reader a format, each in the file of its name. See ReadMesh for what they promise.
 
-/// Wavefront OBJ: `v` and `f` statements, negative indices, joined lines; others are passed over.
+/// Wavefront OBJ: `v`, `vt` and `f` statements, negative indices, joined lines; others are passed
+/// over. Attributes: the colours of `v x y z r g b` (white where a vertex has none) and texture
+/// coordinates by corner ((0, 0) where a corner has none).
 absl::StatusOr<MeshFile> ReadObj(std::string_view text, const MeshLimits& limits);
 
-/// PLY 1.0: ascii and both binary byte orders; elements and properties that are not x, y, z or
-/// vertex_indices (vertex_index) are passed over.
+/// PLY 1.0: ascii and both binary byte orders; positions x, y, z and faces vertex_indices
+/// (vertex_index). Attributes: those of LayOutPlyVertices(), and texture coordinates by corner from
+/// the faces' lists `texcoord` ((0, 0) where a face has none). All else is passed over.
 absl::StatusOr<MeshFile> ReadPly(std::string_view bytes, const MeshLimits& limits);
 
 /// STL, ascii or binary, told apart by the size that a binary file's count asks for.
 absl::StatusOr<MeshFile> ReadStl(std::string_view bytes, const MeshLimits& limits);
 
-/// OFF with its COFF, NOFF, STOFF variants; what follows x y z or the corners on a line is
-/// passed over.
+/// OFF with its COFF, NOFF, STOFF variants. Attributes: the colours of COFF and CNOFF, taken for
+/// bytes when one is above 1. What else follows x y z or the corners on a line is passed over.
 absl::StatusOr<MeshFile> ReadOff(std::string_view text, const MeshLimits& limits);
 
 }  // namespace ccst::io

@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -25,27 +29,90 @@ absl::StatusOr<std::int64_t> ToCount(std::string_view token, const TextCursor& c
   return *value;
 }
 
+struct Keyword {
+  bool has_texture = false;
+  bool has_color = false;
+  bool has_normal = false;
+  std::string_view first_count;
+};
+
 // Passes the keyword. Some writers leave out the space after it, so that the first count may
 // be what is left of the token.
-absl::StatusOr<std::string_view> ReadKeyword(TextCursor& cursor) {
+absl::StatusOr<Keyword> ReadKeyword(TextCursor& cursor) {
+  Keyword keyword;
   const std::string_view token = cursor.Token();
   std::string_view rest = token;
-  for (const std::string_view prefix : {"ST", "C", "N"}) {
-    if (rest.starts_with(prefix)) rest.remove_prefix(prefix.size());
-  }
+  const auto take = [&rest](std::string_view prefix) {
+    const bool found = rest.starts_with(prefix);
+    if (found) rest.remove_prefix(prefix.size());
+    return found;
+  };
+  keyword.has_texture = take("ST");
+  keyword.has_color = take("C");
+  keyword.has_normal = take("N");
   if (!rest.starts_with("OFF")) {
     return Unreadable(absl::StrCat(cursor.Where(),
                                    ": an OFF file starts with OFF, COFF, NOFF or STOFF, not with ",
                                    Found(token)));
   }
-  return rest.substr(3);
+  keyword.first_count = rest.substr(3);
+  return keyword;
 }
+
+// The colours of COFF: three or four numbers at the end of a vertex' line, bytes or fractions.
+class VertexColors {
+ public:
+  // Takes the rest of the line of the i-th vertex.
+  void Read(std::int64_t i, bool has_normal, TextCursor& cursor) {
+    std::array<double, 7> numbers = {};
+    std::size_t count = 0;
+    for (; count < numbers.size(); ++count) {
+      const auto value = ParseDouble(cursor.TokenOnLine());
+      if (!value.has_value()) break;
+      numbers[count] = *value;
+    }
+    const std::size_t first = has_normal ? 3 : 0;
+    if (count < first + 3) return;
+    has_alpha_ = has_alpha_ || count > first + 3;
+    values_.resize(static_cast<std::size_t>(4 * i), kNone);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const bool given = first + k < count;
+      values_.push_back(given ? static_cast<float>(numbers[first + k]) : kNone);
+      largest_ = std::max(largest_, values_.back());
+    }
+  }
+
+  // The attribute, white where there was no colour; empty when there was none at all.
+  std::optional<Attribute> Finish(std::int64_t vertices) && {
+    if (values_.empty()) return std::nullopt;
+    values_.resize(static_cast<std::size_t>(4 * vertices), kNone);
+    const int components = has_alpha_ ? 4 : 3;
+    Attribute attribute{.name = "color", .kind = AttributeKind::kColor, .components = components};
+    attribute.values.reserve(static_cast<std::size_t>(components * vertices));
+    // Nothing says which it is; fractions end at 1.
+    const float divisor = largest_ > 1.0f ? 255.0f : 1.0f;
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      if (i % 4 < static_cast<std::size_t>(components)) {
+        attribute.values.push_back(values_[i] == kNone ? 1.0f : values_[i] / divisor);
+      }
+    }
+    return attribute;
+  }
+
+ private:
+  static constexpr float kNone = -1.0f;
+
+  std::vector<float> values_;  // Four a vertex.
+  bool has_alpha_ = false;
+  float largest_ = 0.0f;
+};
 
 }  // namespace
 
 absl::StatusOr<MeshFile> ReadOff(std::string_view text, const MeshLimits& limits) {
   TextCursor cursor(text, {.comment = '#'});
-  CCST_ASSIGN_OR_RETURN(std::string_view first_count, ReadKeyword(cursor));
+  CCST_ASSIGN_OR_RETURN(const Keyword keyword, ReadKeyword(cursor));
+  std::string_view first_count = keyword.first_count;
   if (first_count.empty()) first_count = cursor.Token();
   if (first_count == "BINARY") {
     return Unreadable("binary OFF is not supported; save it as text or as PLY");
@@ -60,6 +127,7 @@ absl::StatusOr<MeshFile> ReadOff(std::string_view text, const MeshLimits& limits
   CCST_RETURN_IF_ERROR(builder.Announce(
       vertices, faces, static_cast<std::int64_t>(cursor.remaining()), kVertexBytes, kFaceBytes));
   const auto where = [&cursor] { return cursor.Where(); };
+  VertexColors colors;
 
   for (std::int64_t i = 0; i < vertices; ++i) {
     Eigen::Vector3d position;
@@ -74,6 +142,7 @@ absl::StatusOr<MeshFile> ReadOff(std::string_view text, const MeshLimits& limits
       position[axis] = *value;
     }
     CCST_RETURN_IF_ERROR(builder.AddVertex(position, where));
+    if (keyword.has_color && !keyword.has_texture) colors.Read(i, keyword.has_normal, cursor);
     cursor.SkipLine();
   }
 
@@ -101,6 +170,7 @@ absl::StatusOr<MeshFile> ReadOff(std::string_view text, const MeshLimits& limits
     CCST_RETURN_IF_ERROR(builder.AddFace(corners, where));
     cursor.SkipLine();
   }
+  if (auto color = std::move(colors).Finish(vertices)) builder.AddAttribute(*std::move(color));
   return std::move(builder).Finish();
 }
 

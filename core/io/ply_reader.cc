@@ -1,6 +1,5 @@
 #include <algorithm>
-#include <limits>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -9,100 +8,12 @@
 #include "core/io/mesh_builder.h"
 #include "core/io/mesh_readers.h"
 #include "core/io/numbers.h"
+#include "core/io/ply_attributes.h"
 #include "core/io/ply_header.h"
-#include "core/io/text_cursor.h"
+#include "core/io/ply_values.h"
 
 namespace ccst::io {
 namespace {
-
-// A value of the data part, as both kinds of file give it. `Read*` return empty where the file
-// ends or, in text, where the token is no such number.
-class TextValues {
- public:
-  TextValues(std::string_view bytes, const PlyHeader& header)
-      : cursor_(bytes.substr(header.data_offset), {}), first_line_(header.data_line) {}
-
-  std::optional<double> ReadNumber(PlyType) { return ParseDouble(cursor_.Token()); }
-  std::optional<std::int64_t> ReadInteger(PlyType) { return ParseInteger(cursor_.Token()); }
-  bool Skip(PlyType, std::int64_t count) {
-    for (std::int64_t i = 0; i < count; ++i) {
-      if (cursor_.Token().empty()) return false;
-    }
-    return true;
-  }
-  std::size_t remaining() const { return cursor_.remaining(); }
-  std::string Where() const { return absl::StrCat("line ", first_line_ + cursor_.line() - 1); }
-  // A digit and what separates it from the next.
-  static std::size_t MinBytes(PlyType) { return 2; }
-  // The last value needs nothing after it.
-  static constexpr std::size_t kSlack = 1;
-
- private:
-  TextCursor cursor_;
-  std::int64_t first_line_;
-};
-
-class BinaryValues {
- public:
-  BinaryValues(std::string_view bytes, const PlyHeader& header)
-      : bytes_(bytes), position_(header.data_offset), order_(header.order) {}
-
-  std::optional<double> ReadNumber(PlyType type) {
-    if (type == PlyType::kFloat64) return Load<double>();
-    if (type == PlyType::kFloat32) {
-      const auto value = Load<float>();
-      if (!value.has_value()) return std::nullopt;
-      return static_cast<double>(*value);
-    }
-    const auto value = ReadInteger(type);
-    if (!value.has_value()) return std::nullopt;
-    return static_cast<double>(*value);
-  }
-  // `type` must be an integer type.
-  std::optional<std::int64_t> ReadInteger(PlyType type) {
-    switch (type) {
-      case PlyType::kInt8:
-        return Load<std::int8_t>();
-      case PlyType::kUint8:
-        return Load<std::uint8_t>();
-      case PlyType::kInt16:
-        return Load<std::int16_t>();
-      case PlyType::kUint16:
-        return Load<std::uint16_t>();
-      case PlyType::kInt32:
-        return Load<std::int32_t>();
-      case PlyType::kUint32:
-        return Load<std::uint32_t>();
-      case PlyType::kFloat32:
-      case PlyType::kFloat64:
-        break;
-    }
-    return std::nullopt;
-  }
-  bool Skip(PlyType type, std::int64_t count) {
-    const std::size_t size = PlyTypeSize(type) * static_cast<std::size_t>(count);
-    if (size > remaining()) return false;
-    position_ += size;
-    return true;
-  }
-  std::size_t remaining() const { return bytes_.size() - position_; }
-  std::string Where() const { return absl::StrCat("byte ", position_); }
-  static std::size_t MinBytes(PlyType type) { return PlyTypeSize(type); }
-  static constexpr std::size_t kSlack = 0;
-
- private:
-  template <typename T>
-  std::optional<T> Load() {
-    if (remaining() < sizeof(T)) return std::nullopt;
-    const T value = LoadBytes<T>(bytes_.data() + position_, order_);
-    position_ += sizeof(T);
-    return value;
-  }
-
-  std::string_view bytes_;
-  std::size_t position_;
-  std::endian order_;
-};
 
 // Fewest bytes of one record: every value once, every list empty.
 template <typename Values>
@@ -134,6 +45,11 @@ class PlyDataReader {
       } else {
         CCST_RETURN_IF_ERROR(SkipElement(element));
       }
+    }
+    for (Attribute& attribute : layout_.attributes) builder_.AddAttribute(std::move(attribute));
+    if (!corner_uv_.empty()) {
+      PadCornerUv();
+      builder_.AddCornerTexture(corner_uv_);
     }
     return std::move(builder_).Finish(
         [](std::int64_t) { return std::string("in the 'face' element"); });
@@ -207,68 +123,99 @@ class PlyDataReader {
   }
 
   absl::Status ReadVertices(const PlyElement& element) {
-    std::vector<int> axis_of(element.properties.size(), -1);
-    int axes_found = 0;
-    for (std::size_t p = 0; p < element.properties.size(); ++p) {
-      const PlyProperty& property = element.properties[p];
-      for (int axis = 0; axis < 3; ++axis) {
-        if (property.is_list || property.name != std::string(1, "xyz"[axis])) continue;
-        axis_of[p] = axis;
-        axes_found |= 1 << axis;
-      }
+    if (builder_.vertices() > 0) return Unreadable("there are two elements 'vertex' with records");
+    CCST_ASSIGN_OR_RETURN(layout_, LayOutPlyVertices(element));
+    // Each value has a byte or more in the file, as CheckCount() made sure.
+    for (Attribute& attribute : layout_.attributes) {
+      attribute.values.resize(static_cast<std::size_t>(element.count * attribute.components));
     }
-    if (axes_found != 7) return Unreadable("element 'vertex' needs the properties x, y and z");
     const auto where = [this] { return values_.Where(); };
     Eigen::Vector3d position;
     for (std::int64_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
         const PlyProperty& property = element.properties[p];
-        if (axis_of[p] < 0) {
+        const PlyColumn& column = layout_.columns[p];
+        if (column.use == PlyColumn::Use::kNone) {
           CCST_RETURN_IF_ERROR(SkipProperty(element, i, property));
           continue;
         }
         const auto value = values_.ReadNumber(property.type);
         if (!value.has_value()) return Broken(element, i, property);
-        position[axis_of[p]] = *value;
+        if (column.use == PlyColumn::Use::kPosition) {
+          position[column.component] = *value;
+        } else {
+          Attribute& attribute = layout_.attributes[column.attribute];
+          attribute.values[static_cast<std::size_t>(i * attribute.components + column.component)] =
+              static_cast<float>(*value / column.divisor);
+        }
       }
       CCST_RETURN_IF_ERROR(builder_.AddVertex(position, where));
     }
     return absl::OkStatus();
   }
 
-  absl::Status ReadFaces(const PlyElement& element) {
-    const auto is_corners = [](const PlyProperty& property) {
-      return property.is_list && PlyTypeIsInteger(property.type) &&
-             (property.name == "vertex_indices" || property.name == "vertex_index");
-    };
-    const auto corners_property =
-        std::find_if(element.properties.begin(), element.properties.end(), is_corners);
-    if (corners_property == element.properties.end()) {
-      return Unreadable("element 'face' needs a list of integers named vertex_indices");
-    }
-    const auto where = [this] { return values_.Where(); };
-    std::vector<std::int64_t> corners;
-    for (std::int64_t i = 0; i < element.count; ++i) {
-      for (const PlyProperty& property : element.properties) {
-        if (&property != &*corners_property) {
-          CCST_RETURN_IF_ERROR(SkipProperty(element, i, property));
-          continue;
-        }
-        CCST_ASSIGN_OR_RETURN(const std::int64_t size, ReadListSize(element, i, property));
-        corners.clear();
-        for (std::int64_t k = 0; k < size; ++k) {
-          const auto corner = values_.ReadInteger(property.type);
-          if (!corner.has_value()) return Broken(element, i, property);
-          corners.push_back(*corner);
-        }
-        CCST_RETURN_IF_ERROR(builder_.AddFace(corners, where));
-      }
+  // Reads a list into `items`.
+  template <typename T, typename ReadItem>
+  absl::Status ReadList(const PlyElement& element, std::int64_t record, const PlyProperty& property,
+                        const ReadItem& read, std::vector<T>& items) {
+    CCST_ASSIGN_OR_RETURN(const std::int64_t size, ReadListSize(element, record, property));
+    items.clear();
+    for (std::int64_t k = 0; k < size; ++k) {
+      const auto item = read(property.type);
+      if (!item.has_value()) return Broken(element, record, property);
+      items.push_back(static_cast<T>(*item));
     }
     return absl::OkStatus();
   }
 
+  absl::Status ReadFaces(const PlyElement& element) {
+    const auto corners_property =
+        std::find_if(element.properties.begin(), element.properties.end(), IsPlyCornerList);
+    if (corners_property == element.properties.end()) {
+      return Unreadable("element 'face' needs a list of integers named vertex_indices");
+    }
+    const auto texture_property =
+        std::find_if(element.properties.begin(), element.properties.end(), IsPlyTextureList);
+    const auto where = [this] { return values_.Where(); };
+    const auto read_integer = [this](PlyType type) { return values_.ReadInteger(type); };
+    const auto read_number = [this](PlyType type) { return values_.ReadNumber(type); };
+    std::vector<std::int64_t> corners;
+    std::vector<float> texture;
+    for (std::int64_t i = 0; i < element.count; ++i) {
+      for (auto property = element.properties.begin(); property != element.properties.end();
+           ++property) {
+        if (property == corners_property) {
+          CCST_RETURN_IF_ERROR(ReadList(element, i, *property, read_integer, corners));
+        } else if (property == texture_property) {
+          CCST_RETURN_IF_ERROR(ReadList(element, i, *property, read_number, texture));
+        } else {
+          CCST_RETURN_IF_ERROR(SkipProperty(element, i, *property));
+        }
+      }
+      if (!texture.empty() && texture.size() == 2 * corners.size()) AddCornerUv(texture);
+      CCST_RETURN_IF_ERROR(builder_.AddFace(corners, where));
+    }
+    return absl::OkStatus();
+  }
+
+  // Untextured faces, which have an empty list, get zeros.
+  void PadCornerUv() { corner_uv_.resize(builder_.corners(), Eigen::Vector2f::Zero()); }
+
+  // Of the face that is about to be added.
+  void AddCornerUv(const std::vector<float>& texture) {
+    PadCornerUv();
+    polygon_uv_.clear();
+    for (std::size_t k = 0; k + 1 < texture.size(); k += 2) {
+      polygon_uv_.emplace_back(texture[k], texture[k + 1]);
+    }
+    AppendFan<Eigen::Vector2f>(polygon_uv_, corner_uv_);
+  }
+
   Values values_;
   MeshBuilder builder_;
+  PlyVertexLayout layout_;
+  std::vector<Eigen::Vector2f> corner_uv_;
+  std::vector<Eigen::Vector2f> polygon_uv_;
 };
 
 }  // namespace

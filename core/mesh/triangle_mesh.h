@@ -17,11 +17,12 @@ enum class AttributeKind : std::uint8_t {
 
 /// Values carried by the vertices or the corners of a mesh, or by samples.
 struct Attribute {
-  std::string name;  ///< Unique in its mesh; "color" and "uv" where the file gives none.
+  std::string name;  ///< Unique in its mesh; see NameAttributes().
   AttributeKind kind = AttributeKind::kScalar;
-  int components = 1;         ///< K in [1, 4].
-  bool per_corner = false;    ///< Three rows a face instead of one a vertex; linear in between.
-  std::vector<float> values;  ///< Row major: V x K or 3 F x K; n x K for samples.
+  int components = 1;       ///< K in [1, 4].
+  bool per_corner = false;  ///< Three rows a face instead of one a vertex; linear in between.
+  std::vector<float> values = {};  ///< Row major: V x K or 3 F x K; n x K for samples.
+  std::int32_t id = -1;            ///< Draco's unique id, where a Draco stream gave one.
 };
 
 /// A plain indexed triangle list, as read from a file or a stream. No invariant holds beyond

@@ -14,18 +14,18 @@
 namespace ccst {
 namespace {
 
-bool IsWhite(const Image& image, int x, int y) {
+bool IsWhite(const RgbImage& image, int x, int y) {
   const std::uint8_t* p = image.Pixel(x, y);
   return p[0] == 255 && p[1] == 255 && p[2] == 255;
 }
 
-bool IsDark(const Image& image, int x, int y) {
+bool IsDark(const RgbImage& image, int x, int y) {
   const std::uint8_t* p = image.Pixel(x, y);
   return p[0] < 90 && p[1] < 90 && p[2] < 130;
 }
 
 template <typename Predicate>
-int CountPixels(const Image& image, int first, int last, Predicate predicate) {
+int CountPixels(const RgbImage& image, int first, int last, Predicate predicate) {
   int count = 0;
   for (int y = 0; y < image.height; ++y) {
     for (int x = first; x < last; ++x) count += predicate(image, x, y) ? 1 : 0;
@@ -137,7 +137,7 @@ TEST(Picture, HasTwoPanelsOnWhite) {
   EXPECT_FALSE(IsWhite(*image, 100, 100));
   EXPECT_FALSE(IsWhite(*image, 300, 100));
   // Both show the same shape: as many pixels, up to dots and lines on the rim.
-  const auto seen = [](const Image& i, int x, int y) { return !IsWhite(i, x, y); };
+  const auto seen = [](const RgbImage& i, int x, int y) { return !IsWhite(i, x, y); };
   const int left = CountPixels(*image, 0, 200, seen);
   const int right = CountPixels(*image, 200, 400, seen);
   EXPECT_NEAR(left, right, 0.02 * left);
@@ -207,7 +207,7 @@ TEST(Picture, RefusesWhatItCannotDraw) {
 }
 
 TEST(Png, HoldsThePixels) {
-  Image image;
+  RgbImage image;
   image.width = 3;
   image.height = 2;
   for (int i = 0; i < 18; ++i) image.rgb.push_back(static_cast<std::uint8_t>(14 * i));

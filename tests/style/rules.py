@@ -52,6 +52,7 @@ EXTERNALS = {
         ["proto", "server/rpc", "server/app", "server", "client/lib", "client/cli"],
     ),
     "Draco": (r"^draco/", ["core/io"]),
+    "image decoders": (r"^(spng|turbojpeg)\.h$", ["core/io"]),
     "command-line flags": (
         r"^absl/flags/|^CLI/|^getopt\.h$",
         ["server", "server/app", "client", "client/cli"],
