@@ -7,48 +7,52 @@
 #include "core/base/status.h"
 #include "core/methods/capacity_curve.h"
 #include "core/methods/methods.h"
-#include "core/methods/regions.h"
 #include "core/methods/sides.h"
+#include "core/methods/strata.h"
 #include "core/spatial/box_tree.h"
 
 namespace ccst {
 namespace {
 
-constexpr std::uint64_t kStream = 0x63637674;  // "ccvt"
+constexpr std::uint64_t kSiteStream = 0x63637674;     // "ccvt"
+constexpr std::uint64_t kPointStream = 0x6363767470;  // "ccvtp"
 
 /// What one point would gain by going to the other site of a pair.
 struct Gain {
   double gain;
-  std::int64_t entry;  // Where its owner lists it.
+  std::int64_t entry;  // Index of the point.
   bool operator<(const Gain& other) const {
     return gain != other.gain ? gain > other.gain : entry < other.entry;
   }
 };
 
-/// Sites, each with the same number of points: site s owns those listed in entries
-/// [s * parts, (s + 1) * parts).
+/// Sites, each with the same number of points: site s owns points [s * parts, (s + 1) * parts);
+/// to swap ownerships is to swap points.
 class Balance {
  public:
-  Balance(const Surface& surface, Regions regions, double r_max)
+  Balance(const Surface& surface, double r_max, std::int64_t parts, std::vector<SurfacePoint> sites)
       : surface_(surface),
         sides_(surface),
-        regions_(std::move(regions)),
+        parts_(parts),
         penalty_(4.0 * r_max * r_max),
         least_gain_(1e-12 * r_max * r_max),
-        owned_(regions_.part_positions.size()),
-        positions_(regions_.sites.size()),
-        reach_(regions_.sites.size()),
-        changed_(regions_.sites.size(), 0) {
-    for (std::size_t e = 0; e < owned_.size(); ++e) owned_[e] = static_cast<std::int32_t>(e);
-    for (std::size_t s = 0; s < positions_.size(); ++s) positions_[s] = sites()[s].position;
+        sites_(std::move(sites)),
+        positions_(sites_.size()),
+        reach_(sites_.size()),
+        changed_(sites_.size(), 0) {
+    for (std::size_t s = 0; s < sites_.size(); ++s) positions_[s] = sites_[s].position;
+    points_.reserve(sites_.size() * parts);
   }
 
-  const std::vector<SurfacePoint>& sites() const { return regions_.sites; }
+  /// To be called for every point before all else.
+  void Add(const SurfacePoint& point) { points_.push_back({point.position, point.face}); }
+
+  const std::vector<SurfacePoint>& sites() const { return sites_; }
 
   /// Sum of the costs of all points.
   double Energy() const {
     double energy = 0.0;
-    for (std::size_t s = 0; s < sites().size(); ++s) energy += CostOf(s, sites()[s]);
+    for (std::size_t s = 0; s < sites_.size(); ++s) energy += CostOf(s, sites_[s]);
     return energy;
   }
 
@@ -57,16 +61,15 @@ class Balance {
   /// whole one, so it may end anywhere when `interrupt` is requested.
   std::int64_t Swap(int step, Interrupt* interrupt) {
     tree_.Build(positions_);
-    for (std::size_t s = 0; s < sites().size(); ++s) {
+    for (std::size_t s = 0; s < sites_.size(); ++s) {
       reach_[s] = 0.0;
       for (std::int64_t e = Begin(s); e < Begin(s + 1); ++e) {
-        reach_[s] =
-            std::max(reach_[s], (regions_.part_positions[owned_[e]] - positions_[s]).squaredNorm());
+        reach_[s] = std::max(reach_[s], (points_[e].position - positions_[s]).squaredNorm());
       }
       reach_[s] = std::sqrt(reach_[s]);
     }
     std::int64_t swaps = 0;
-    for (std::size_t i = 0; i < sites().size(); ++i) {
+    for (std::size_t i = 0; i < sites_.size(); ++i) {
       if (interrupt->Requested()) break;
       // Balls that do not meet leave nothing to swap. A pair is seen from its larger ball.
       others_.clear();
@@ -91,18 +94,17 @@ class Balance {
   /// move.
   double Move(int step) {
     double longest = 0.0;
-    for (std::size_t s = 0; s < sites().size(); ++s) {
+    for (std::size_t s = 0; s < sites_.size(); ++s) {
       if (changed_[s] < step - 1) continue;
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (std::int64_t e = Begin(s); e < Begin(s + 1); ++e) {
-        sum += regions_.part_positions[owned_[e]];
+        sum += points_[e].position;
       }
-      const SurfacePoint moved =
-          MoveTo(surface_, sites()[s], sum / static_cast<double>(regions_.parts));
+      const SurfacePoint moved = MoveTo(surface_, sites_[s], sum / static_cast<double>(parts_));
       const double distance = (moved.position - positions_[s]).norm();
-      if (!(distance > 0.0) || !(CostOf(s, moved) < CostOf(s, sites()[s]))) continue;
+      if (!(distance > 0.0) || !(CostOf(s, moved) < CostOf(s, sites_[s]))) continue;
       longest = std::max(longest, distance);
-      regions_.sites[s] = moved;
+      sites_[s] = moved;
       positions_[s] = moved.position;
       changed_[s] = step;
     }
@@ -110,16 +112,21 @@ class Balance {
   }
 
  private:
-  std::int64_t Begin(std::size_t s) const { return static_cast<std::int64_t>(s) * regions_.parts; }
+  struct Point {
+    Eigen::Vector3d position;
+    std::int32_t face;
+  };
 
-  double Cost(std::int32_t point, const SurfacePoint& site) const {
-    return (regions_.part_positions[point] - site.position).squaredNorm() +
-           (sides_.Same(regions_.part_faces[point], site.face) ? 0.0 : penalty_);
+  std::int64_t Begin(std::size_t s) const { return static_cast<std::int64_t>(s) * parts_; }
+
+  double Cost(const Point& point, const SurfacePoint& site) const {
+    return (point.position - site.position).squaredNorm() +
+           (sides_.Same(point.face, site.face) ? 0.0 : penalty_);
   }
 
   double CostOf(std::size_t s, const SurfacePoint& site) const {
     double cost = 0.0;
-    for (std::int64_t e = Begin(s); e < Begin(s + 1); ++e) cost += Cost(owned_[e], site);
+    for (std::int64_t e = Begin(s); e < Begin(s + 1); ++e) cost += Cost(points_[e], site);
     return cost;
   }
 
@@ -128,7 +135,7 @@ class Balance {
     double largest = -std::numeric_limits<double>::infinity();
     gains->clear();
     for (std::int64_t e = Begin(from); e < Begin(from + 1); ++e) {
-      const double gain = Cost(owned_[e], sites()[from]) - Cost(owned_[e], sites()[to]);
+      const double gain = Cost(points_[e], sites_[from]) - Cost(points_[e], sites_[to]);
       largest = std::max(largest, gain);
       gains->push_back({gain, e});
     }
@@ -147,17 +154,18 @@ class Balance {
     std::size_t k = 0;
     for (; k < std::min(gains_i_.size(), gains_j_.size()); ++k) {
       if (!(gains_i_[k].gain + gains_j_[k].gain > least_gain_)) break;
-      std::swap(owned_[gains_i_[k].entry], owned_[gains_j_[k].entry]);
+      std::swap(points_[gains_i_[k].entry], points_[gains_j_[k].entry]);
     }
     return static_cast<std::int64_t>(k);
   }
 
   const Surface& surface_;
   Sides sides_;
-  Regions regions_;
-  const double penalty_;             // Of a point on another side than its site.
-  const double least_gain_;          // Less is rounding.
-  std::vector<std::int32_t> owned_;  // Points, by site.
+  const std::int64_t parts_;
+  const double penalty_;       // Of a point on another side than its site.
+  const double least_gain_;    // Less is rounding.
+  std::vector<Point> points_;  // By site.
+  std::vector<SurfacePoint> sites_;
   std::vector<Eigen::Vector3d> positions_;
   std::vector<double> reach_;  // Distance of a site's farthest point.
   std::vector<int> changed_;   // The last step in which a site moved or swapped.
@@ -179,12 +187,17 @@ absl::StatusOr<RelaxedSamples> BalanceVoronoi(const Surface& surface, const Dens
                                   kMaxBalancedCount, " samples; sample_count is ", count));
   }
   const CapacityCurve curve(surface, density);
-  Regions regions = CutRegions(density, curve, count, options.points_per_sample, seed, kStream,
-                               control.interrupt);
+  std::vector<SurfacePoint> start;
+  start.reserve(count);
+  ForEachStratum(density, curve, count, 1, CounterRandom(seed, kSiteStream), control.interrupt,
+                 [&](const SurfacePoint& point) { start.push_back(point); });
+  const std::int64_t parts = options.points_per_sample;
+  Balance balance(surface, HexagonalSpacing(surface, count), parts, std::move(start));
+  ForEachStratum(density, curve, count, parts, CounterRandom(seed, kPointStream), control.interrupt,
+                 [&](const SurfacePoint& point) { balance.Add(point); });
   if (control.interrupt->Requested()) {
     return absl::CancelledError("stopped while the first regions were cut");
   }
-  Balance balance(surface, std::move(regions), HexagonalSpacing(surface, count));
   RelaxedSamples result;
   result.energy = balance.Energy();
   if (control.on_step) control.on_step({0, result.energy, 0.0, balance.sites()});
