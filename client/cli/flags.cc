@@ -102,6 +102,10 @@ CLI::App* AddSample(CLI::App& app, Flags& flags) {
   sub->add_option("--time-limit", c.options.time_limit_seconds,
                   "Seconds after which the run returns what it has")
       ->type_name("SECONDS");
+  sub->add_option("--weld-tolerance", c.options.weld_tolerance,
+                  "Join vertices at most this far apart first, in units of the mesh")
+      ->type_name("LENGTH")
+      ->capture_default_str();
   AddServer(*sub, flags);
   sub->add_flag("--local", flags.local, "Compute in this process; gives the same samples");
   sub->add_option("--threads", flags.threads, "Threads of a local run; by default all cores")

@@ -17,6 +17,7 @@
 #include "core/sampling/initial_points.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/relaxation.h"
+#include "core/sampling/source_map.h"
 #include "core/surface/surface.h"
 
 namespace ccst {
@@ -42,25 +43,25 @@ SurfaceSummary Summarise(const Surface& surface, const Plan& plan) {
   summary.boundary_loops = static_cast<std::int64_t>(surface.boundary_loops().size());
   for (const std::int64_t euler : surface.component_eulers()) summary.euler += euler;
   summary.closed_loops = plan.closed_loops;
-  summary.welded_vertices = surface.welded_vertices();
-  summary.isolated_vertices = surface.isolated_vertices();
   return summary;
 }
 
-SampleSet Export(const TriangleMesh& mesh, const Samples& samples,
+SampleSet Export(const TriangleMesh& mesh, const SourceMap& sources, const Samples& samples,
                  const SampleMesh& triangulation) {
   SampleSet set;
   const std::int32_t n = samples.count();
-  set.faces = samples.face;
+  set.faces.resize(n);
   set.normals = samples.normal;
   set.barycentrics.resize(n);
   set.positions.resize(n);
   for (std::int32_t i = 0; i < n; ++i) {
     // The two weights that are reported determine the position; the third is what they leave.
-    const double u = std::clamp(samples.weights[i][0], 0.0, 1.0);
-    const double v = std::clamp(samples.weights[i][1], 0.0, 1.0 - u);
+    const Eigen::Vector3d weights = sources.Weights(samples.face[i], samples.weights[i]);
+    const double u = std::clamp(weights[0], 0.0, 1.0);
+    const double v = std::clamp(weights[1], 0.0, 1.0 - u);
     set.barycentrics[i] = {u, v};
-    const Eigen::Vector3i& face = mesh.faces[samples.face[i]];
+    set.faces[i] = sources.Face(samples.face[i]);
+    const Eigen::Vector3i& face = mesh.faces[set.faces[i]];
     set.positions[i] = u * mesh.positions[face[0]] + v * mesh.positions[face[1]] +
                        (1.0 - u - v) * mesh.positions[face[2]];
   }
@@ -146,6 +147,10 @@ absl::Status SamplingOptions::Validate() const {
     return OptionError(
         absl::StrCat("time_limit_seconds is ", *time_limit_seconds, "; it must be greater than 0"));
   }
+  if (!(weld_tolerance >= 0.0) || !std::isfinite(weld_tolerance)) {
+    return OptionError(absl::StrCat("weld_tolerance is ", weld_tolerance,
+                                    "; it must be a finite length, at least 0"));
+  }
   if (thread_count < 1) {
     return OptionError(absl::StrCat("thread_count is ", thread_count, "; it must be at least 1"));
   }
@@ -163,7 +168,11 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
     if (run.progress != nullptr) run.progress->OnPhase(phase);
   };
   enter(Phase::kPreparing);
-  CCST_ASSIGN_OR_RETURN(const Surface surface, Surface::Build(mesh, &stop));
+  CCST_ASSIGN_OR_RETURN(RepairedMesh repaired,
+                        Repair(mesh, {.weld_tolerance = options.weld_tolerance}, &stop));
+  CCST_ASSIGN_OR_RETURN(const Surface surface, Surface::Build(repaired.mesh, &stop));
+  const SourceMap sources(mesh, repaired);
+  repaired.mesh = {};  // From here on there is the surface.
   if (stop.Requested()) return absl::CancelledError("stopped before the first samples");
   SamplingResult result;
   result.prepare_seconds = SecondsSince(start);
@@ -171,6 +180,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   enter(Phase::kInitializing);
   CCST_ASSIGN_OR_RETURN(Start first, MakeStart(surface, options, &stop));
   result.surface = Summarise(surface, first.plan);
+  result.surface.repairs = repaired.report;
   result.initialise_seconds = SecondsSince(start) - result.prepare_seconds;
 
   enter(Phase::kRelaxing);
@@ -206,7 +216,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
       SecondsSince(start) - result.prepare_seconds - result.initialise_seconds;
 
   enter(Phase::kFinalizing);
-  result.samples = Export(mesh, first.samples, first.mesh);
+  result.samples = Export(mesh, sources, first.samples, first.mesh);
   if (result.termination != Termination::kStopped) {
     result.relative_radius = RelativeRadius(surface, first.samples);
   }

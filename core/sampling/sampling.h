@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/repair/repair.h"
 #include "core/sampling/run_control.h"
 
 namespace ccst {
@@ -38,7 +39,9 @@ struct SamplingOptions {
   /// Wall-clock bound of the computation [s], > 0; a run that hits it returns its last whole
   /// iterate. Results then depend on the machine.
   std::optional<double> time_limit_seconds;
-  int thread_count = 1;  ///< >= 1.
+  int thread_count = 1;         ///< >= 1.
+  double weld_tolerance = 0.0;  ///< Vertices this near are joined first [mesh unit], >= 0 and
+                                ///< finite; 0: those at one place. Samples stay on the input.
 
   /// INVALID_ARGUMENT naming the first wrong field and its range.
   absl::Status Validate() const;
@@ -49,7 +52,7 @@ enum class Termination { kConverged, kIterationLimit, kTimeLimit, kStopped };
 
 /// Facts about the surface that was sampled.
 struct SurfaceSummary {
-  std::int64_t vertices = 0;  ///< After merging bitwise equal positions; isolated ones dropped.
+  std::int64_t vertices = 0;  ///< After repair, as all of the following.
   std::int64_t faces = 0;
   double area = 0.0;      ///< [mesh unit^2]
   double diagonal = 0.0;  ///< Of the bounding box [mesh unit].
@@ -58,8 +61,11 @@ struct SurfaceSummary {
   std::int64_t euler = 0;  ///< V - E + F.
   std::int64_t closed_loops =
       0;  ///< Boundary loops too short for samples, closed in the sample mesh.
-  std::int64_t welded_vertices = 0;    ///< Vertices merged into an equal one.
-  std::int64_t isolated_vertices = 0;  ///< Vertices of no face, ignored.
+  /// Components too small for a triangulation at this sample_count, and how many samples lie on
+  /// them: placed by capacity, in no sample triangle.
+  std::int64_t untriangulated_components = 0;
+  std::int64_t untriangulated_samples = 0;
+  RepairReport repairs;  ///< What it took to make a surface of the input.
 };
 
 /// n samples and the triangulation over them. Arrays are parallel.
@@ -89,15 +95,14 @@ struct SamplingResult {
 
 /// Distributes options.sample_count blue-noise samples over `mesh` and triangulates them.
 ///
-/// @param mesh     V x 3 positions, F x 3 indices; an oriented 2-manifold, closed or with
-///                 boundary, of any genus and any number of components.
+/// @param mesh     V x 3 positions, F x 3 indices; of any kind. What is not an oriented 2-manifold
+///                 is made one first (core/repair/repair.h) and the answer says how.
 /// @param options  see SamplingOptions.
 /// @param run      stop and progress; being stopped is a result, not an error.
 /// @return exactly sample_count samples in an order fixed by mesh, options and seed. The same
 ///         bits for every thread_count, with and without a progress sink.
 /// @errors INVALID_ARGUMENT       OPTION_INVALID | MESH_EMPTY | MESH_DEGENERATE (names the first
 ///                                culprit) | COUNT_TOO_SMALL (names the smallest that works)
-///         FAILED_PRECONDITION    MESH_NOT_MANIFOLD (says where)
 ///         CANCELLED              stopped before there was an iterate to return
 /// Validation errors come first, then a stop requested before the start.
 /// Cost O((n + F) log(n + F)) to start, O(n) an alternation. Thread-safe: a pure function.

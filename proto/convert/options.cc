@@ -48,6 +48,7 @@ v1::SamplingOptions ToProto(const SamplingOptions& options) {
   message.set_relative_tolerance(options.relative_tolerance);
   message.set_seed(options.seed);
   message.set_energy(ToProto(options.energy));
+  message.set_weld_tolerance(options.weld_tolerance);
   if (options.time_limit_seconds.has_value()) {
     *message.mutable_time_limit() = DurationToProto(*options.time_limit_seconds);
   }
@@ -99,6 +100,10 @@ SamplingOptions FromProto(const v1::SamplingOptions& options, const RequestLimit
   } else {
     violations.Add(prefix + "energy", "is " + std::to_string(options.energy()) +
                                           ", must be ENERGY_TARGET (1) or ENERGY_SQUARED_AREA (2)");
+  }
+  result.weld_tolerance = options.weld_tolerance();
+  if (!std::isfinite(result.weld_tolerance) || result.weld_tolerance < 0.0) {
+    violations.Add(prefix + "weld_tolerance", "must be finite and at least 0");
   }
   return result;
 }

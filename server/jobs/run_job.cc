@@ -27,6 +27,14 @@ std::vector<std::string> WarningsOf(const SamplingResult& result) {
                        " boundary loops are too short for the sample spacing and are closed in "
                        "the sample mesh");
   }
+  if (surface.untriangulated_components > 0) {
+    warnings.push_back(
+        std::to_string(surface.untriangulated_components) + " of " +
+        std::to_string(surface.components) +
+        " components are too small for a triangulation at this sample_count; their " +
+        std::to_string(surface.untriangulated_samples) +
+        " samples are spread by capacity and belong to no sample triangle");
+  }
   if (result.termination == Termination::kTimeLimit) {
     warnings.push_back("the time limit ended the run after " + std::to_string(result.alternations) +
                        " alternations; the samples depend on the machine");
