@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <memory>
-#include <new>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,9 +45,14 @@ float Grey(double red, double green, double blue, double alpha) {
   return static_cast<float>(alpha * luma + (1.0 - alpha));
 }
 
+absl::Status OutOfMemory() {
+  return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kOutOfMemory,
+                   "there is no memory to decode the image");
+}
+
 absl::StatusOr<Image> DecodePng(std::span<const char> bytes, const ImageLimits& limits) {
   const std::unique_ptr<spng_ctx, void (*)(spng_ctx*)> context(spng_ctx_new(0), &spng_ctx_free);
-  if (context == nullptr) throw std::bad_alloc();
+  if (context == nullptr) return OutOfMemory();
   const auto broken = [](int error) {
     return Unreadable(absl::StrCat("the PNG is damaged: ", spng_strerror(error)));
   };
@@ -83,7 +87,7 @@ absl::StatusOr<Image> DecodePng(std::span<const char> bytes, const ImageLimits& 
 
 absl::StatusOr<Image> DecodeJpeg(std::span<const char> bytes, const ImageLimits& limits) {
   const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), &tjDestroy);
-  if (decoder == nullptr) throw std::bad_alloc();
+  if (decoder == nullptr) return OutOfMemory();
   const auto broken = [&decoder] {
     return Unreadable(absl::StrCat("the JPEG cannot be read: ", tjGetErrorStr2(decoder.get())));
   };

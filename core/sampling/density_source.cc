@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "core/base/status.h"
+#include "core/mesh/attributes.h"
 #include "core/surface/curvature.h"
 
 namespace ccst {
@@ -27,12 +28,19 @@ absl::Status Invalid(const std::string& message) {
   return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kDensityInvalid, message);
 }
 
-/// Component `k` of an attribute at a corner of a face.
-double ValueAt(const TriangleMesh& mesh, const Attribute& attribute, std::int32_t face, int corner,
-               int k) {
-  const std::size_t row =
-      attribute.per_corner ? 3 * static_cast<std::size_t>(face) + corner : mesh.faces[face][corner];
-  return attribute.values[row * attribute.components + k];
+/// Component `k` of an attribute of the mesh at a corner of a face of the surface.
+double ValueAt(const TriangleMesh& mesh, const SourceMap& sources, const Attribute& attribute,
+               std::int32_t face, int corner, int k) {
+  const std::int32_t source = sources.Face(face);
+  const Eigen::Vector3d weights = sources.Corner(face, corner);
+  double value = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    if (weights[i] == 0.0) continue;
+    const std::size_t row =
+        attribute.per_corner ? 3 * static_cast<std::size_t>(source) + i : mesh.faces[source][i];
+    value += weights[i] * attribute.values[row * attribute.components + k];
+  }
+  return value;
 }
 
 std::string NamesOf(const TriangleMesh& mesh, AttributeKind kind) {
@@ -43,24 +51,20 @@ std::string NamesOf(const TriangleMesh& mesh, AttributeKind kind) {
   return names.empty() ? "it has none" : absl::StrCat("it has ", absl::StrJoin(names, ", "));
 }
 
-absl::StatusOr<Density> FromAttribute(const TriangleMesh& mesh, const Surface& surface,
-                                      const DensityOptions& options) {
-  const auto found =
-      std::find_if(mesh.attributes.begin(), mesh.attributes.end(), [&](const Attribute& attribute) {
-        return attribute.name == options.attribute && attribute.kind == AttributeKind::kScalar &&
-               attribute.components == 1;
-      });
-  if (found == mesh.attributes.end()) {
+absl::StatusOr<Density> FromAttribute(const TriangleMesh& mesh, const SourceMap& sources,
+                                      const Surface& surface, const DensityOptions& options) {
+  const Attribute* found = FindAttribute(mesh.attributes, options.attribute);
+  if (found == nullptr || found->kind != AttributeKind::kScalar || found->components != 1) {
     return Invalid(absl::StrCat("the mesh has no scalar attribute named ", options.attribute, "; ",
                                 NamesOf(mesh, AttributeKind::kScalar)));
   }
   std::vector<double> corners(3 * static_cast<std::size_t>(surface.face_count()));
   for (std::int32_t f = 0; f < surface.face_count(); ++f) {
     for (int k = 0; k < 3; ++k) {
-      const double value = ValueAt(mesh, *found, f, k, 0);
+      const double value = ValueAt(mesh, sources, *found, f, k, 0);
       if (!(value >= 0.0) || !std::isfinite(value)) {
-        return Invalid(absl::StrCat("attribute ", options.attribute, " is ", value, " at corner ",
-                                    k, " of face ", f, "; a density must be finite and >= 0"));
+        return Invalid(absl::StrCat("attribute ", options.attribute, " is ", value, " on face ",
+                                    sources.Face(f), "; a density must be finite and >= 0"));
       }
       corners[3 * static_cast<std::size_t>(f) + k] = std::pow(value, options.exponent);
     }
@@ -126,8 +130,8 @@ absl::StatusOr<Density> FromCurvature(const Surface& surface, const DensityOptio
   return Density::Linear(surface, std::move(corners), options.max_contrast);
 }
 
-absl::StatusOr<Density> FromTexture(const TriangleMesh& mesh, const Surface& surface,
-                                    const DensityOptions& options) {
+absl::StatusOr<Density> FromTexture(const TriangleMesh& mesh, const SourceMap& sources,
+                                    const Surface& surface, const DensityOptions& options) {
   const auto found =
       std::find_if(mesh.attributes.begin(), mesh.attributes.end(), [](const Attribute& attribute) {
         return attribute.kind == AttributeKind::kTextureCoordinates && attribute.components == 2;
@@ -138,8 +142,8 @@ absl::StatusOr<Density> FromTexture(const TriangleMesh& mesh, const Surface& sur
   std::vector<Eigen::Vector2d> coordinates(3 * static_cast<std::size_t>(surface.face_count()));
   for (std::int32_t f = 0; f < surface.face_count(); ++f) {
     for (int k = 0; k < 3; ++k) {
-      coordinates[3 * static_cast<std::size_t>(f) + k] = {ValueAt(mesh, *found, f, k, 0),
-                                                          ValueAt(mesh, *found, f, k, 1)};
+      coordinates[3 * static_cast<std::size_t>(f) + k] = {ValueAt(mesh, sources, *found, f, k, 0),
+                                                          ValueAt(mesh, sources, *found, f, k, 1)};
     }
   }
   if (options.image == nullptr || options.image->values.empty()) {
@@ -168,24 +172,24 @@ absl::Status ValidateDensity(const DensityOptions& options) {
   if (options.source == DensitySource::kAttribute && options.attribute.empty()) {
     return OptionError("density.attribute is empty; name a scalar attribute of the mesh");
   }
-  if (options.source == DensitySource::kTexture &&
-      options.image == nullptr && options.encoded_image == nullptr) {
+  if (options.source == DensitySource::kTexture && options.image == nullptr &&
+      options.encoded_image == nullptr) {
     return OptionError("density.image is missing; a texture density needs an image");
   }
   return absl::OkStatus();
 }
 
-absl::StatusOr<Density> MakeDensity(const TriangleMesh& mesh, const Surface& surface,
-                                    const DensityOptions& options) {
+absl::StatusOr<Density> MakeDensity(const TriangleMesh& mesh, const SourceMap& sources,
+                                    const Surface& surface, const DensityOptions& options) {
   switch (options.source) {
     case DensitySource::kUniform:
       break;
     case DensitySource::kAttribute:
-      return FromAttribute(mesh, surface, options);
+      return FromAttribute(mesh, sources, surface, options);
     case DensitySource::kCurvature:
       return FromCurvature(surface, options);
     case DensitySource::kTexture:
-      return FromTexture(mesh, surface, options);
+      return FromTexture(mesh, sources, surface, options);
   }
   return Density::Uniform(surface);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -13,12 +14,17 @@
 #include "core/base/interrupt.h"
 #include "core/base/status.h"
 #include "core/density/density.h"
+#include "core/mesh/attributes.h"
 #include "core/quality/distances.h"
 #include "core/sampling/density_source.h"
+#include "core/sampling/export.h"
 #include "core/sampling/initial_mesh.h"
 #include "core/sampling/initial_points.h"
+#include "core/sampling/other_methods.h"
 #include "core/sampling/plan.h"
+#include "core/sampling/progressive_order.h"
 #include "core/sampling/relaxation.h"
+#include "core/sampling/source_map.h"
 #include "core/surface/surface.h"
 
 namespace ccst {
@@ -44,34 +50,7 @@ SurfaceSummary Summarise(const Surface& surface, const Plan& plan) {
   summary.boundary_loops = static_cast<std::int64_t>(surface.boundary_loops().size());
   for (const std::int64_t euler : surface.component_eulers()) summary.euler += euler;
   summary.closed_loops = plan.closed_loops;
-  summary.welded_vertices = surface.welded_vertices();
-  summary.isolated_vertices = surface.isolated_vertices();
   return summary;
-}
-
-SampleSet Export(const TriangleMesh& mesh, const Samples& samples,
-                 const SampleMesh& triangulation) {
-  SampleSet set;
-  const std::int32_t n = samples.count();
-  set.faces = samples.face;
-  set.normals = samples.normal;
-  set.barycentrics.resize(n);
-  set.positions.resize(n);
-  for (std::int32_t i = 0; i < n; ++i) {
-    // The two weights that are reported determine the position; the third is what they leave.
-    const double u = std::clamp(samples.weights[i][0], 0.0, 1.0);
-    const double v = std::clamp(samples.weights[i][1], 0.0, 1.0 - u);
-    set.barycentrics[i] = {u, v};
-    const Eigen::Vector3i& face = mesh.faces[samples.face[i]];
-    set.positions[i] = u * mesh.positions[face[0]] + v * mesh.positions[face[1]] +
-                       (1.0 - u - v) * mesh.positions[face[2]];
-  }
-  set.triangles.reserve(triangulation.triangle_count());
-  for (std::int32_t t = 0; t < triangulation.triangle_count(); ++t) {
-    set.triangles.emplace_back(triangulation.origin[3 * t], triangulation.origin[3 * t + 1],
-                               triangulation.origin[3 * t + 2]);
-  }
-  return set;
 }
 
 /// The initial samples and their triangulation.
@@ -116,9 +95,22 @@ absl::StatusOr<Start> MakeStart(const Surface& surface, const Density& density,
   return start;
 }
 
+/// How much wider than r_max samples belong apart, per sample; empty where the density is uniform.
+std::vector<double> SpacingScales(const Surface& surface, const Density& density,
+                                  const Samples& samples) {
+  std::vector<double> scales;
+  if (density.uniform()) return scales;
+  scales.resize(samples.position.size());
+  const double footprint = 0.5 * surface.area() / samples.count();
+  for (std::int32_t i = 0; i < samples.count(); ++i) {
+    scales[i] = 1.0 / std::sqrt(density.At(samples.face[i], samples.weights[i], footprint));
+  }
+  return scales;
+}
+
 /// Smallest distance between samples on the same side over the hexagonal spacing.
-double RelativeRadius(const Surface& surface, const Density& density, const Plan& plan,
-                      const Samples& samples) {
+double RelativeRadius(const Surface& surface, const Samples& samples,
+                      const std::vector<double>& scales) {
   std::vector<Eigen::Vector3d> normals(samples.position.size());
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const Eigen::Vector3i& face = surface.faces()[samples.face[i]];
@@ -127,19 +119,35 @@ double RelativeRadius(const Surface& surface, const Density& density, const Plan
                      .cross(surface.positions()[face[2]] - corner)
                      .normalized();
   }
-  std::vector<double> scales;  // Of lengths, by the density.
-  if (!density.uniform()) {
-    scales.resize(samples.position.size());
-    for (std::int32_t i = 0; i < samples.count(); ++i) {
-      const double footprint = 0.5 * plan.spacing * plan.spacing;
-      scales[i] = 1.0 / std::sqrt(density.At(samples.face[i], samples.weights[i], footprint));
-    }
-  }
   return quality::MeasureDistances(samples.position, normals, surface.area(), {}, scales)
       .relative_radius_same_side;
 }
 
+/// Every prefix well spread, but for white noise, whose own order is as random as it is.
+std::vector<std::int32_t> OrderSamples(const Surface& surface, const Samples& samples,
+                                       const std::vector<double>& scales,
+                                       const SamplingOptions& options) {
+  if (options.method == SamplingMethod::kWhiteNoise) {
+    std::vector<std::int32_t> order(samples.position.size());
+    std::iota(order.begin(), order.end(), 0);
+    return order;
+  }
+  return ProgressiveOrder(samples.position, samples.normal, scales,
+                          quality::HexagonalSpacing(surface.area(), samples.count()), options.seed);
+}
+
 }  // namespace
+
+int DefaultMaxIterations(SamplingMethod method) {
+  switch (method) {
+    case SamplingMethod::kLloyd:
+      return 100;
+    case SamplingMethod::kCcvt:
+      return 1000;
+    default:
+      return SamplingOptions().max_iterations;
+  }
+}
 
 absl::Status SamplingOptions::Validate() const {
   if (sample_count < kMinSampleCount || sample_count > kMaxSampleCount) {
@@ -159,6 +167,10 @@ absl::Status SamplingOptions::Validate() const {
         absl::StrCat("time_limit_seconds is ", *time_limit_seconds, "; it must be greater than 0"));
   }
   CCST_RETURN_IF_ERROR(ValidateDensity(density));
+  if (!(weld_tolerance >= 0.0) || !std::isfinite(weld_tolerance)) {
+    return OptionError(absl::StrCat("weld_tolerance is ", weld_tolerance,
+                                    "; it must be a finite length, at least 0"));
+  }
   if (thread_count < 1) {
     return OptionError(absl::StrCat("thread_count is ", thread_count, "; it must be at least 1"));
   }
@@ -176,28 +188,27 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
     if (run.progress != nullptr) run.progress->OnPhase(phase);
   };
   enter(Phase::kPreparing);
-  CCST_ASSIGN_OR_RETURN(const Surface surface, Surface::Build(mesh, &stop));
+  CCST_RETURN_IF_ERROR(CheckAttributes(mesh));
+  CCST_ASSIGN_OR_RETURN(RepairedMesh repaired,
+                        Repair(mesh, {.weld_tolerance = options.weld_tolerance}, &stop));
+  CCST_ASSIGN_OR_RETURN(const Surface surface, Surface::Build(repaired.mesh, &stop));
+  const SourceMap sources(mesh, repaired);
+  repaired.mesh = {};  // From here on there is the surface.
   if (stop.Requested()) return absl::CancelledError("stopped before the first samples");
-  CCST_ASSIGN_OR_RETURN(const Density density, MakeDensity(mesh, surface, options.density));
+  CCST_ASSIGN_OR_RETURN(const Density density,
+                        MakeDensity(mesh, sources, surface, options.density));
   SamplingResult result;
   result.prepare_seconds = SecondsSince(start);
 
-  enter(Phase::kInitializing);
-  CCST_ASSIGN_OR_RETURN(Start first, MakeStart(surface, density, options, &stop));
-  result.surface = Summarise(surface, first.plan);
-  result.initialise_seconds = SecondsSince(start) - result.prepare_seconds;
-
-  enter(Phase::kRelaxing);
   std::vector<Eigen::Vector3d> positions;
   const auto report = [&](const AlternationReport& alternation) {
     if (run.progress == nullptr) return;
     AlternationReport copy = alternation;
     copy.max_displacement *= surface.unit();
     copy.elapsed_seconds = SecondsSince(start);
-    positions.resize(first.samples.position.size());
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-      positions[i] = surface.ToMesh(first.samples.position[i]);
-    }
+    positions.resize(alternation.positions.size());
+    std::transform(alternation.positions.begin(), alternation.positions.end(), positions.begin(),
+                   [&](const Eigen::Vector3d& position) { return surface.ToMesh(position); });
     copy.positions = positions;
     run.progress->OnAlternation(copy);
   };
@@ -208,9 +219,29 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
     deadline =
         start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   }
+
+  enter(Phase::kInitializing);
+  Start first;
+  if (options.method == SamplingMethod::kCcst) {
+    CCST_ASSIGN_OR_RETURN(first, MakeStart(surface, density, options, &stop));
+  }
+  result.surface = Summarise(surface, first.plan);
+  result.surface.repairs = repaired.report;
+  result.initialise_seconds = SecondsSince(start) - result.prepare_seconds;
+
+  enter(Phase::kRelaxing);
   Interrupt interrupt(run.stop, deadline);
-  const RelaxationReport relaxed =
-      Relax(surface, density, first.plan, options, report, &interrupt, &first.mesh, &first.samples);
+  RelaxationReport relaxed;
+  if (options.method == SamplingMethod::kCcst) {
+    relaxed = Relax(surface, density, first.plan, options, report, &interrupt, &first.mesh,
+                    &first.samples);
+  } else {
+    // The others have nothing to return before they end.
+    const bool improves =
+        options.method == SamplingMethod::kLloyd || options.method == SamplingMethod::kCcvt;
+    CCST_ASSIGN_OR_RETURN(relaxed, RunOtherMethod(surface, density, options, report,
+                                                  improves ? &interrupt : &stop, &first.samples));
+  }
   result.termination = relaxed.termination;
   result.alternations = relaxed.alternations;
   result.passes = relaxed.passes;
@@ -220,9 +251,11 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
       SecondsSince(start) - result.prepare_seconds - result.initialise_seconds;
 
   enter(Phase::kFinalizing);
-  result.samples = Export(mesh, first.samples, first.mesh);
+  const std::vector<double> scales = SpacingScales(surface, density, first.samples);
+  result.samples = ExportSamples(mesh, sources, first.samples, first.mesh,
+                                 OrderSamples(surface, first.samples, scales, options));
   if (result.termination != Termination::kStopped) {
-    result.relative_radius = RelativeRadius(surface, density, first.plan, first.samples);
+    result.relative_radius = RelativeRadius(surface, first.samples, scales);
   }
   return result;
 }

@@ -66,6 +66,44 @@ std::optional<CurvatureMeasure> FromProto(v1::CurvatureDensity::Measure measure)
   }
 }
 
+v1::SamplingMethod ToProto(SamplingMethod method) {
+  switch (method) {
+    case SamplingMethod::kCcst:
+      return v1::SAMPLING_METHOD_CCST;
+    case SamplingMethod::kWhiteNoise:
+      return v1::SAMPLING_METHOD_WHITE_NOISE;
+    case SamplingMethod::kPoissonDisk:
+      return v1::SAMPLING_METHOD_POISSON_DISK;
+    case SamplingMethod::kSampleElimination:
+      return v1::SAMPLING_METHOD_SAMPLE_ELIMINATION;
+    case SamplingMethod::kLloyd:
+      return v1::SAMPLING_METHOD_LLOYD;
+    case SamplingMethod::kCcvt:
+      return v1::SAMPLING_METHOD_CCVT;
+  }
+  return v1::SAMPLING_METHOD_UNSPECIFIED;
+}
+
+std::optional<SamplingMethod> FromProto(v1::SamplingMethod method) {
+  switch (method) {
+    case v1::SAMPLING_METHOD_UNSPECIFIED:
+    case v1::SAMPLING_METHOD_CCST:
+      return SamplingMethod::kCcst;
+    case v1::SAMPLING_METHOD_WHITE_NOISE:
+      return SamplingMethod::kWhiteNoise;
+    case v1::SAMPLING_METHOD_POISSON_DISK:
+      return SamplingMethod::kPoissonDisk;
+    case v1::SAMPLING_METHOD_SAMPLE_ELIMINATION:
+      return SamplingMethod::kSampleElimination;
+    case v1::SAMPLING_METHOD_LLOYD:
+      return SamplingMethod::kLloyd;
+    case v1::SAMPLING_METHOD_CCVT:
+      return SamplingMethod::kCcvt;
+    default:
+      return std::nullopt;
+  }
+}
+
 std::optional<Energy> FromProto(v1::Energy energy) {
   switch (energy) {
     case v1::ENERGY_UNSPECIFIED:

@@ -126,8 +126,10 @@ v1::SamplingOptions ToProto(const SamplingOptions& options) {
   message.set_max_iterations(options.max_iterations);
   message.set_relative_tolerance(options.relative_tolerance);
   message.set_seed(options.seed);
+  message.set_method(ToProto(options.method));
   message.set_energy(ToProto(options.energy));
   SetDensity(options.density, message);
+  message.set_weld_tolerance(options.weld_tolerance);
   if (options.time_limit_seconds.has_value()) {
     *message.mutable_time_limit() = DurationToProto(*options.time_limit_seconds);
   }
@@ -147,7 +149,14 @@ SamplingOptions FromProto(const v1::SamplingOptions& options, const RequestLimit
     violations.AddLimit(prefix + "sample_count", "max_sample_count", limits.max_sample_count,
                         result.sample_count);
   }
-  result.max_iterations = std::min(result.max_iterations, limits.max_iterations);
+  if (const auto method = FromProto(options.method())) {
+    result.method = *method;
+  } else {
+    violations.Add(prefix + "method", "is " + std::to_string(options.method()) +
+                                          ", must be a SamplingMethod, SAMPLING_METHOD_CCST (1) to "
+                                          "SAMPLING_METHOD_SAMPLE_ELIMINATION (6)");
+  }
+  result.max_iterations = std::min(DefaultMaxIterations(result.method), limits.max_iterations);
   if (options.has_max_iterations()) {
     result.max_iterations = options.max_iterations();
     if (result.max_iterations < 0) {
@@ -180,6 +189,10 @@ SamplingOptions FromProto(const v1::SamplingOptions& options, const RequestLimit
   } else {
     violations.Add(prefix + "energy", "is " + std::to_string(options.energy()) +
                                           ", must be ENERGY_TARGET (1) or ENERGY_SQUARED_AREA (2)");
+  }
+  result.weld_tolerance = options.weld_tolerance();
+  if (!std::isfinite(result.weld_tolerance) || result.weld_tolerance < 0.0) {
+    violations.Add(prefix + "weld_tolerance", "must be finite and at least 0");
   }
   return result;
 }
