@@ -114,7 +114,7 @@ TEST(AllMethods, StopRequestedBeforeGivesCancelled) {
 TEST(AllMethods, FollowTheDensity) {
   const Surface sphere = SurfaceOf(shapes::Icosphere(4));
   const Density density = DensityOf(sphere, [](const auto& p) { return std::exp(2.0 * p.z()); });
-  constexpr int kCount = 1600;
+  constexpr int kCount = 3200;
   constexpr int kBands = 16;
   // Largest deviation of a band's share from 1 / 16, over 1 / 16. White noise: 4.5 standard
   // deviations of the binomial distribution.
