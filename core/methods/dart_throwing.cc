@@ -77,7 +77,8 @@ absl::StatusOr<DartSamples> ThrowDarts(const Surface& surface, const Density& de
       high = radius;
     }
     // Aims at half the excess that is accepted.
-    radius *= std::sqrt(static_cast<double>(found) / static_cast<double>(wanted + excess / 2));
+    const double aim = static_cast<double>(wanted) + 0.5 * static_cast<double>(excess);
+    radius *= std::sqrt(static_cast<double>(found) / aim);
     if (!(radius > low && radius < high)) radius = 0.5 * (low + high);
   }
   DartSamples samples;

@@ -114,7 +114,7 @@ inline constexpr std::int64_t kMaxBalancedCount = 20000;
 
 struct BalanceOptions {
   int max_steps = 1000;
-  int points_per_sample = 64;  ///< [2, 1024]
+  int points_per_sample = 256;  ///< [2, 1024]
 };
 
 /// Capacity-constrained Voronoi tessellation: each sample owns the same number of random points

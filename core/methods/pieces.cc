@@ -10,7 +10,7 @@ namespace {
 
 /// Longest edge of a piece in spacings, and the area in squared spacings under which a piece is
 /// left as it is, however long.
-constexpr double kLongestEdge = 0.8;
+constexpr double kLongestEdge = 1.2;
 constexpr double kNegligibleArea = 1.0 / 64.0;
 
 using Corners = std::array<Eigen::Vector3d, 3>;

@@ -18,7 +18,7 @@ struct Piece {
   std::int32_t face = -1;                  ///< Of the surface.
 };
 
-/// Halves the faces across their longest edges until those are at most 0.8 of the spacing
+/// Halves the faces across their longest edges until those are at most 1.2 of the spacing
 /// r_max / sqrt(rho) there, or the area is negligible; the weights are rho^2. At most
 /// F + 128 n pieces for n samples, some 8 n when faces are large and well shaped. Faces without
 /// area are left out. Unfinished when `interrupt` was requested.
