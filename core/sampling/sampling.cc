@@ -12,7 +12,9 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/interrupt.h"
 #include "core/base/status.h"
+#include "core/mesh/attributes.h"
 #include "core/quality/distances.h"
+#include "core/sampling/attributes.h"
 #include "core/sampling/initial_mesh.h"
 #include "core/sampling/initial_points.h"
 #include "core/sampling/plan.h"
@@ -69,6 +71,7 @@ SampleSet Export(const TriangleMesh& mesh, const Samples& samples,
     set.triangles.emplace_back(triangulation.origin[3 * t], triangulation.origin[3 * t + 1],
                                triangulation.origin[3 * t + 2]);
   }
+  set.attributes = InterpolateAttributes(mesh, set);
   return set;
 }
 
@@ -156,6 +159,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
                                              const SamplingOptions& options,
                                              const RunControl& run) {
   CCST_RETURN_IF_ERROR(options.Validate());
+  CCST_RETURN_IF_ERROR(CheckAttributes(mesh));
   const Clock::time_point start = Clock::now();
   // The time limit bounds the relaxation; without initial samples there is nothing to return.
   Interrupt stop(run.stop);

@@ -3,6 +3,8 @@
 #include <optional>
 
 #include "ccst/v1/job.pb.h"
+#include "ccst/v1/sampling_service.pb.h"
+#include "core/mesh/triangle_mesh.h"
 #include "core/sampling/run_control.h"
 #include "core/sampling/sampling.h"
 
@@ -11,6 +13,7 @@ namespace ccst {
 v1::Energy ToProto(Energy energy);
 v1::JobPhase ToProto(Phase phase);
 v1::TerminationReason ToProto(Termination termination);
+v1::AttributeKind ToProto(AttributeKind kind);
 
 /// Empty for values this version does not know. Unspecified is the default, kTarget.
 std::optional<Energy> FromProto(v1::Energy energy);
@@ -18,5 +21,8 @@ std::optional<Energy> FromProto(v1::Energy energy);
 /// Empty for unspecified and for values this version does not know.
 std::optional<Phase> FromProto(v1::JobPhase phase);
 std::optional<Termination> FromProto(v1::TerminationReason reason);
+
+/// Empty for values this version does not know. Unspecified is kScalar.
+std::optional<AttributeKind> FromProto(v1::AttributeKind kind);
 
 }  // namespace ccst
