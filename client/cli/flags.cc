@@ -99,7 +99,8 @@ void AddServer(CLI::App& app, Flags& flags) {
 CLI::App* AddSample(CLI::App& app, Flags& flags) {
   CLI::App* sub = app.add_subcommand("sample", "Put blue-noise samples on a mesh");
   SampleCommand& c = flags.sample;
-  sub->add_option("MESH", c.mesh, "Mesh to sample: .obj .ply .stl .off .drc, - for standard input")
+  sub->add_option("MESH", c.mesh,
+                  "Mesh to sample: .obj .ply .stl .off .glb .gltf .drc, - for standard input")
       ->type_name("")
       ->required();
   sub->add_option("-n,--count", c.options.sample_count, "How many samples")

@@ -79,6 +79,7 @@ bool IsBinaryStl(std::string_view bytes) {
 MeshFormat RecogniseFormat(std::string_view bytes) {
   if (StartsWith(bytes, "DRACO")) return MeshFormat::kDraco;
   if (StartsWith(bytes, "ply")) return MeshFormat::kPly;
+  if (StartsWith(bytes, "glTF") || StartsWith(bytes, "{")) return MeshFormat::kGltf;
   if (StartsWith(bytes, "OFF") || StartsWith(bytes, "COFF") || StartsWith(bytes, "NOFF")) {
     return MeshFormat::kOff;
   }

@@ -10,6 +10,13 @@ constexpr double kSlack = 1e-9;
 
 bool IsShare(double weight) { return weight >= -kSlack && weight <= 1.0 + kSlack; }
 
+// GCC 12 drops a conversion to float and back where it vectorises both; that the float is stored in
+// between keeps it.
+double RoundedToFloat(double value) {
+  const volatile float rounded = static_cast<float>(value);
+  return rounded;
+}
+
 }  // namespace
 
 absl::Status PlaceSamples(const TriangleMesh& mesh, const Eigen::Vector3d& origin,
@@ -30,7 +37,7 @@ absl::Status PlaceSamples(const TriangleMesh& mesh, const Eigen::Vector3d& origi
     const Eigen::Vector3i& corners = mesh.faces[face];
     samples.positions[i] = u * mesh.positions[corners[0]] + v * mesh.positions[corners[1]] +
                            w * mesh.positions[corners[2]] + origin;
-    samples.normals[i] = samples.normals[i].cast<float>().cast<double>();
+    for (double& component : samples.normals[i]) component = RoundedToFloat(component);
   }
   return absl::OkStatus();
 }

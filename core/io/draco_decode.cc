@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
+#include "core/io/draco_convert.h"
 #include "core/io/draco_guard.h"
 #include "core/io/draco_header.h"
 #include "core/io/draco_mesh.h"
@@ -30,49 +31,6 @@ absl::Status Decode(std::span<const char> bytes, const MeshLimits& limits, draco
                                    ": the stream is damaged: ", status.error_msg_string()));
 }
 
-absl::StatusOr<TriangleMesh> Convert(const draco::Mesh& mesh, const MeshLimits& limits) {
-  const draco::PointAttribute* const positions =
-      mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
-  if (positions == nullptr) return io::NotDraco("the mesh has no position attribute");
-  if (positions->num_components() != 3) {
-    return io::NotDraco(absl::StrCat("positions have ", int{positions->num_components()},
-                                     " components instead of 3"));
-  }
-  if (mesh.num_faces() == 0) return io::Empty("the mesh has no faces");
-  const auto vertices = static_cast<std::int64_t>(positions->size());
-  if (vertices > limits.max_vertices) {
-    return io::OverLimit(absl::StrCat("the mesh has ", vertices, " vertices; at most ",
-                                      limits.max_vertices, " are accepted"));
-  }
-  TriangleMesh result;
-  result.positions.resize(static_cast<std::size_t>(vertices));
-  for (std::int64_t i = 0; i < vertices; ++i) {
-    Eigen::Vector3d& position = result.positions[static_cast<std::size_t>(i)];
-    const draco::AttributeValueIndex value(static_cast<std::uint32_t>(i));
-    if (!positions->ConvertValue<double, 3>(value, position.data())) {
-      return io::NotDraco(absl::StrCat("position ", i, " is of a type that is no number"));
-    }
-    if (!position.allFinite()) {
-      return io::Degenerate(
-          absl::StrCat("vertex ", i, " (counted from 0) has a coordinate that is ", "not finite"));
-    }
-  }
-  result.faces.resize(mesh.num_faces());
-  for (draco::FaceIndex face(0); face < mesh.num_faces(); ++face) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const draco::PointIndex point = mesh.face(face)[corner];
-      const std::int64_t vertex =
-          point < mesh.num_points() ? std::int64_t{positions->mapped_index(point).value()} : -1;
-      if (vertex < 0 || vertex >= vertices) {
-        return io::Degenerate(absl::StrCat("face ", face.value(), " (counted from 0) has a corner ",
-                                           "outside the ", vertices, " vertices"));
-      }
-      result.faces[face.value()][corner] = static_cast<int>(vertex);
-    }
-  }
-  return result;
-}
-
 absl::StatusOr<TriangleMesh> DecodeChecked(std::span<const char> bytes, const MeshLimits& limits) {
   if (static_cast<std::int64_t>(bytes.size()) > limits.max_bytes) {
     return io::OverLimit(
@@ -86,7 +44,7 @@ absl::StatusOr<TriangleMesh> DecodeChecked(std::span<const char> bytes, const Me
   } else {
     CCST_RETURN_IF_ERROR(Decode<draco::MeshEdgebreakerDecoder>(bytes, limits, mesh));
   }
-  return Convert(mesh, limits);
+  return io::FromDraco(mesh, limits);
 }
 
 }  // namespace

@@ -3,13 +3,16 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
 #include "core/io/draco_header.h"
 #include "core/io/draco_mesh.h"
+#include "core/io/draco_names.h"
+#include "core/io/draco_points.h"
 #include "core/io/io_errors.h"
-#include "core/io/unused_vertices.h"
+#include "core/mesh/attributes.h"
 #include "draco/compression/expert_encode.h"
 #include "draco/core/encoder_buffer.h"
 #include "draco/mesh/mesh.h"
@@ -41,31 +44,83 @@ absl::Status Validate(const TriangleMesh& mesh, std::optional<int> quantization_
     return io::Degenerate(absl::StrCat("face ", i, " (counted from 0) has a corner outside the ",
                                        vertices, " vertices"));
   }
-  return absl::OkStatus();
+  return CheckAttributes(mesh);
+}
+
+using Type = draco::GeometryAttribute::Type;
+
+Type TypeOf(AttributeKind kind) {
+  switch (kind) {
+    case AttributeKind::kColor:
+      return Type::COLOR;
+    case AttributeKind::kTextureCoordinates:
+      return Type::TEX_COORD;
+    case AttributeKind::kScalar:
+      break;
+  }
+  return Type::GENERIC;
+}
+
+// Adds an attribute with one value a point, which is filled by the caller.
+draco::PointAttribute* Add(draco::Mesh& mesh, Type type, draco::DataType data_type, int components,
+                           const std::string& name) {
+  draco::GeometryAttribute attribute;
+  attribute.Init(type, nullptr, static_cast<std::int8_t>(components), data_type, false,
+                 components * draco::DataTypeLength(data_type), 0);
+  const int id = mesh.AddAttribute(attribute, /*identity_mapping=*/true, mesh.num_points());
+  if (!name.empty()) {
+    auto metadata = std::make_unique<draco::AttributeMetadata>();
+    metadata->AddEntryString(io::kDracoNameEntry, name);
+    mesh.AddAttributeMetadata(id, std::move(metadata));
+  }
+  return mesh.attribute(id);
+}
+
+void AddAttribute(const Attribute& attribute, const io::DracoPoints& points, draco::Mesh& mesh) {
+  draco::PointAttribute* const out =
+      Add(mesh, TypeOf(attribute.kind), draco::DT_FLOAT32, attribute.components, attribute.name);
+  const auto width = static_cast<std::size_t>(attribute.components);
+  constexpr std::array<float, 4> kNone = {};
+  for (std::uint32_t p = 0; p < points.count(); ++p) {
+    const std::int64_t row = attribute.per_corner ? points.corner[p] : points.vertex[p];
+    const float* const value =
+        row < 0 ? kNone.data() : attribute.values.data() + width * static_cast<std::size_t>(row);
+    out->SetAttributeValue(draco::AttributeValueIndex(p), value);
+  }
+}
+
+// Which points are the same vertex as the one before.
+void AddSplits(const io::DracoPoints& points, draco::Mesh& mesh) {
+  draco::PointAttribute* const out =
+      Add(mesh, Type::GENERIC, draco::DT_UINT8, 1, io::kDracoSplitsName);
+  for (std::uint32_t p = 0; p < points.count(); ++p) {
+    const std::uint8_t is_same = p > 0 && points.vertex[p] == points.vertex[p - 1] ? 1 : 0;
+    out->SetAttributeValue(draco::AttributeValueIndex(p), &is_same);
+  }
 }
 
 absl::StatusOr<std::unique_ptr<draco::Mesh>> ToDraco(const TriangleMesh& mesh) {
+  const io::DracoPoints points = io::SplitIntoPoints(mesh);
   auto result = std::make_unique<draco::Mesh>();
-  const auto vertices = static_cast<std::uint32_t>(mesh.positions.size());
-  result->set_num_points(vertices);
-  draco::GeometryAttribute positions;
-  positions.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_FLOAT32, false,
-                 3 * sizeof(float), 0);
-  const int id = result->AddAttribute(positions, /*identity_mapping=*/true, vertices);
-  for (std::uint32_t i = 0; i < vertices; ++i) {
-    const Eigen::Vector3f position = mesh.positions[i].cast<float>();
+  result->set_num_points(static_cast<std::uint32_t>(points.count()));
+  draco::PointAttribute* const positions = Add(*result, Type::POSITION, draco::DT_FLOAT32, 3, "");
+  for (std::uint32_t p = 0; p < points.count(); ++p) {
+    const auto vertex = static_cast<std::size_t>(points.vertex[p]);
+    const Eigen::Vector3f position = mesh.positions[vertex].cast<float>();
     if (!position.allFinite()) {
-      return io::Degenerate(absl::StrCat("vertex ", i,
+      return io::Degenerate(absl::StrCat("vertex ", vertex,
                                          " (counted from 0) has a coordinate that is ",
                                          "no finite 32-bit float; scale the mesh down"));
     }
-    result->attribute(id)->SetAttributeValue(draco::AttributeValueIndex(i), position.data());
+    positions->SetAttributeValue(draco::AttributeValueIndex(p), position.data());
   }
+  for (const Attribute& attribute : mesh.attributes) AddAttribute(attribute, points, *result);
+  if (points.count() > mesh.positions.size()) AddSplits(points, *result);
   result->SetNumFaces(mesh.faces.size());
   for (std::uint32_t i = 0; i < mesh.faces.size(); ++i) {
     draco::Mesh::Face face;
-    for (int corner = 0; corner < 3; ++corner) {
-      face[corner] = static_cast<std::uint32_t>(mesh.faces[i][corner]);
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      face[static_cast<int>(corner)] = points.of_corner[3 * std::size_t{i} + corner];
     }
     result->SetFace(draco::FaceIndex(i), face);
   }
@@ -93,9 +148,7 @@ absl::StatusOr<std::string> EncodeDraco(const TriangleMesh& mesh,
                                         std::optional<int> quantization_bits) {
   CCST_RETURN_IF_ERROR(Validate(mesh, quantization_bits));
   CCST_ASSIGN_OR_RETURN(const std::unique_ptr<draco::Mesh> draco_mesh,
-                        mesh.positions.size() > 3 * mesh.faces.size()
-                            ? ToDraco(io::WithoutExcessVertices(mesh))
-                            : ToDraco(mesh));
+                        ToDraco(io::ToStreamLayout(mesh)));
   CCST_ASSIGN_OR_RETURN(std::string stream, Encode(*draco_mesh, quantization_bits, true));
   // Decoders refuse a sequential stream with fewer than three bytes a face to come, although
   // compressed indices and quantised positions can do with less. Bytes behind the mesh are

@@ -8,7 +8,7 @@
 #include "draco/compression/config/compression_shared.h"
 #include "draco/compression/entropy/symbol_decoding.h"
 #include "draco/core/varint_decoding.h"
-#include "draco/point_cloud/point_cloud.h"
+#include "draco/mesh/mesh.h"
 
 namespace ccst::io {
 namespace {
@@ -35,18 +35,20 @@ bool SkipIntegers(draco::DecoderBuffer& buffer, std::size_t entries, int compone
 
 }  // namespace
 
-absl::Status CheckDracoAttributes(const draco::PointCloud& mesh, std::size_t size,
+absl::Status CheckDracoAttributes(const draco::Mesh& mesh, std::size_t size,
                                   const MeshLimits& limits) {
   // With seams there are more points than vertices were announced, though never more than
   // corners.
   const std::int64_t points = mesh.num_points();
+  const std::int64_t corners = 3 * std::int64_t{mesh.num_faces()};
   std::int64_t needed = 0;
   for (int i = 0; i < mesh.num_attributes(); ++i) {
     const draco::PointAttribute& attribute = *mesh.attribute(i);
     const std::int64_t components = attribute.num_components();
     const std::int64_t value_bytes = draco::DataTypeLength(attribute.data_type());
-    // The values, the integers they are decoded from, the map from points to values.
-    needed += points * (components * (value_bytes + 4) + 4);
+    // The values, the integers they are decoded from, the map from points to values, and what we
+    // make of them: floats, by corner where they have to be.
+    needed += points * (components * (value_bytes + 4) + 4) + 4 * corners * components;
   }
   return CheckDracoMemory(
       needed, size, limits,

@@ -8,12 +8,13 @@
 #include "draco/compression/attributes/mesh_attribute_indices_encoding_data.h"
 #include "draco/compression/mesh/mesh_decoder.h"
 #include "draco/core/decoder_buffer.h"
+#include "draco/mesh/mesh.h"
 
 namespace ccst::io {
 
 /// Refuses a mesh whose attributes, as listed, would take more to decode than allowed. The
 /// header says nothing of attributes, and a few bytes can announce hundreds of wide ones.
-absl::Status CheckDracoAttributes(const draco::PointCloud& mesh, std::size_t size,
+absl::Status CheckDracoAttributes(const draco::Mesh& mesh, std::size_t size,
                                   const MeshLimits& limits);
 
 /// Refuses the values of an attribute whose texture-coordinate prediction announces more
@@ -53,7 +54,7 @@ class GuardedDracoDecoder : public Decoder {
 
  protected:
   bool DecodeAllAttributes() override {
-    refusal_.Update(CheckDracoAttributes(*this->point_cloud(), size_, limits_));
+    refusal_.Update(CheckDracoAttributes(*this->mesh(), size_, limits_));
     return refusal_.ok() && Decoder::DecodeAllAttributes();
   }
 

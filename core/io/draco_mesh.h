@@ -17,7 +17,10 @@ namespace ccst {
 /// are checked against `limits`, and against what the bytes could possibly hold, before the
 /// decoder is started, so that a small file cannot make it allocate much.
 /// @return the values of the position attribute, in its order, and the faces in the decoder's
-///         order; indices in range, coordinates finite, at least one face.
+///         order; indices in range, coordinates finite, at least one face. Attributes: colours,
+///         texture coordinates and generic ones of up to four components, as floats, named by their
+///         metadata entry `name` (else `attribute_ID`) and with their unique ids; by corner where
+///         the corners of a vertex differ. Normals are passed over.
 /// @errors INVALID_ARGUMENT  DRACO_DECODE_FAILED (says what and at which byte; point clouds are
 ///                           named as such), MESH_EMPTY, MESH_DEGENERATE, LIMIT_EXCEEDED
 absl::StatusOr<TriangleMesh> DecodeDraco(std::span<const char> bytes,
@@ -25,13 +28,17 @@ absl::StatusOr<TriangleMesh> DecodeDraco(std::span<const char> bytes,
 
 /// Encodes positions and faces so that decoding gives back every face and every vertex in its
 /// place (sequential encoding). Without quantisation positions are exactly the 32-bit floats
-/// nearest to the doubles given.
+/// nearest to the doubles given. Attributes go with it, never quantised: colours as COLOR, texture
+/// coordinates as TEX_COORD, scalars as GENERIC, with the metadata entry `name`; their unique ids
+/// are 1, 2, ... Vertices whose corners differ become several points; a generic attribute
+/// `ccst.splits` lets DecodeDraco() put them together again.
 ///
-/// Decoders refuse more vertices than corners: when there are more, those of no face are left
+/// Decoders refuse more points than corners: when there are more, vertices of no face are left
 /// out, and the others keep their order.
 /// @param quantization_bits  bits per coordinate of the bounding box's longest side, in [1, 24]
 /// @errors INVALID_ARGUMENT  MESH_EMPTY no face; MESH_DEGENERATE an index out of range, a
-///                           coordinate that is no finite float; OPTION_INVALID bits out of range
+///                           coordinate that is no finite float, an attribute of the wrong
+///                           size; OPTION_INVALID bits out of range
 absl::StatusOr<std::string> EncodeDraco(const TriangleMesh& mesh,
                                         std::optional<int> quantization_bits = std::nullopt);
 
@@ -42,10 +49,12 @@ absl::StatusOr<std::string> EncodeDraco(const TriangleMesh& mesh,
 Eigen::Vector3d ChooseOrigin(const TriangleMesh& mesh);
 
 /// The mesh that DecodeDraco returns for EncodeDraco(`mesh` moved by -`origin`): positions
-/// relative to `origin`, rounded to 32-bit floats; the same faces in the same order. What a run
-/// computes on. Indices must be in range.
+/// relative to `origin`, rounded to 32-bit floats; the same faces in the same order; attributes
+/// with the names and ids they travel by, and by vertex wherever the corners of each vertex agree.
+/// What a run computes on. Indices must be in range.
 /// @errors INVALID_ARGUMENT  MESH_DEGENERATE a coordinate that is no finite float (says which),
-///                           or a mesh so small that floats would flatten it
+///                           a mesh so small that floats would flatten it, or an attribute of
+///                           the wrong size
 absl::StatusOr<TriangleMesh> ToWirePrecision(const TriangleMesh& mesh,
                                              const Eigen::Vector3d& origin);
 

@@ -1,6 +1,8 @@
 #include "core/io/mesh_file.h"
 
 #include <array>
+#include <filesystem>
+#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -16,11 +18,13 @@
 namespace ccst {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, MeshFormat>, 5> kFormats = {{
+constexpr std::array<std::pair<std::string_view, MeshFormat>, 7> kFormats = {{
     {".obj", MeshFormat::kObj},
     {".ply", MeshFormat::kPly},
     {".stl", MeshFormat::kStl},
     {".off", MeshFormat::kOff},
+    {".glb", MeshFormat::kGltf},
+    {".gltf", MeshFormat::kGltf},
     {".drc", MeshFormat::kDraco},
 }};
 
@@ -33,18 +37,9 @@ constexpr std::array<std::pair<std::string_view, MeshOutputFormat>, 6> kOutputFo
     {".glb", MeshOutputFormat::kGlb},
 }};
 
-}  // namespace
-
-std::optional<MeshFormat> MeshFormatFromPath(std::string_view path) {
-  return io::FindByExtension(path, kFormats);
-}
-
-std::optional<MeshOutputFormat> MeshOutputFormatFromPath(std::string_view path) {
-  return io::FindByExtension(path, kOutputFormats);
-}
-
-absl::StatusOr<MeshFile> ReadMesh(std::string_view bytes, MeshFormat format,
-                                  const MeshLimits& limits) {
+/// @param folder  of the file, where it was one.
+absl::StatusOr<MeshFile> Read(std::string_view bytes, MeshFormat format, const MeshLimits& limits,
+                              const std::optional<std::string>& folder) {
   if (static_cast<std::int64_t>(bytes.size()) > limits.max_bytes) {
     return io::OverLimit(
         absl::StrCat(bytes.size(), " bytes; at most ", limits.max_bytes, " are accepted"));
@@ -59,6 +54,8 @@ absl::StatusOr<MeshFile> ReadMesh(std::string_view bytes, MeshFormat format,
       return io::ReadStl(bytes, limits);
     case MeshFormat::kOff:
       return io::ReadOff(bytes, limits);
+    case MeshFormat::kGltf:
+      return io::ReadGltf(bytes, limits, folder);
     case MeshFormat::kDraco: {
       CCST_ASSIGN_OR_RETURN(TriangleMesh mesh, DecodeDraco(bytes, limits));
       return MeshFile{.mesh = std::move(mesh), .face_source = {}};
@@ -67,14 +64,30 @@ absl::StatusOr<MeshFile> ReadMesh(std::string_view bytes, MeshFormat format,
   return io::Unreadable("unknown mesh format");
 }
 
+}  // namespace
+
+std::optional<MeshFormat> MeshFormatFromPath(std::string_view path) {
+  return io::FindByExtension(path, kFormats);
+}
+
+std::optional<MeshOutputFormat> MeshOutputFormatFromPath(std::string_view path) {
+  return io::FindByExtension(path, kOutputFormats);
+}
+
+absl::StatusOr<MeshFile> ReadMesh(std::string_view bytes, MeshFormat format,
+                                  const MeshLimits& limits) {
+  return Read(bytes, format, limits, std::nullopt);
+}
+
 absl::StatusOr<MeshFile> ReadMeshFile(const std::string& path, const MeshLimits& limits) {
   const auto format = MeshFormatFromPath(path);
   if (!format.has_value()) {
-    return io::Unreadable(
-        absl::StrCat(path, ": cannot tell the format; known are .obj .ply .stl .off .drc"));
+    return io::Unreadable(absl::StrCat(
+        path, ": cannot tell the format; known are .obj .ply .stl .off .glb .gltf .drc"));
   }
   CCST_ASSIGN_OR_RETURN(const std::string bytes, io::ReadWholeFile(path, limits.max_bytes));
-  auto file = ReadMesh(bytes, *format, limits);
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  auto file = Read(bytes, *format, limits, folder);
   if (!file.ok()) return io::WithPrefix(file.status(), path + ": ");
   return file;
 }

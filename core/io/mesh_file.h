@@ -14,9 +14,9 @@
 namespace ccst {
 
 /// Formats that can be read.
-enum class MeshFormat { kObj, kPly, kStl, kOff, kDraco };
+enum class MeshFormat { kObj, kPly, kStl, kOff, kGltf, kDraco };
 
-/// Formats that can be written: those above and binary glTF.
+/// Formats that can be written; glTF as binary.
 enum class MeshOutputFormat { kObj, kPly, kStl, kOff, kDraco, kGlb };
 
 /// A mesh as a file holds it. Every index of `mesh` is in range and every coordinate finite;
@@ -32,22 +32,23 @@ struct MeshFile {
 };
 
 /// Format by the path's extension, in any case; empty when it is none of .obj .ply .stl .off
-/// .drc.
+/// .glb .gltf .drc.
 std::optional<MeshFormat> MeshFormatFromPath(std::string_view path);
 
 /// Format by the path's extension, in any case; empty when it is none of .obj .ply .stl .off
 /// .drc .glb.
 std::optional<MeshOutputFormat> MeshOutputFormatFromPath(std::string_view path);
 
-/// Parses a whole file. Numbers do not depend on the locale. Cost O(bytes), memory bounded by a
-/// constant times the bytes given (for Draco see DecodeDraco).
+/// Parses a whole file; of glTF, one that needs no other files. Numbers do not depend on the
+/// locale. Cost O(bytes), memory bounded by a constant times the bytes given (for Draco see
+/// DecodeDraco).
 /// @errors INVALID_ARGUMENT  MESH_UNREADABLE | DRACO_DECODE_FAILED (says the line or the byte),
 ///                           MESH_EMPTY (no face), MESH_DEGENERATE (names the first index out of
 ///                           range or coordinate that is not finite), LIMIT_EXCEEDED
 absl::StatusOr<MeshFile> ReadMesh(std::string_view bytes, MeshFormat format,
                                   const MeshLimits& limits = {});
 
-/// Reads `path` in the format of its extension.
+/// Reads `path` in the format of its extension, and the .bin files beside it that a .gltf names.
 /// @errors those of ReadMesh with the path in front, and
 ///         NOT_FOUND | PERMISSION_DENIED | UNKNOWN the file cannot be read (says why)
 ///         INVALID_ARGUMENT  MESH_UNREADABLE the extension names no format that can be read

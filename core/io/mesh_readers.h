@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "absl/status/statusor.h"
@@ -25,5 +27,13 @@ absl::StatusOr<MeshFile> ReadStl(std::string_view bytes, const MeshLimits& limit
 /// OFF with its COFF, NOFF, STOFF variants. Attributes: the colours of COFF and CNOFF, taken for
 /// bytes when one is above 1. What else follows x y z or the corners on a line is passed over.
 absl::StatusOr<MeshFile> ReadOff(std::string_view text, const MeshLimits& limits);
+
+/// glTF 2.0, binary or JSON: the triangles of the default scene's meshes with the transforms of
+/// their nodes, in scene order; faces are counted through over all primitives. Attributes, by
+/// corner: the colours COLOR_0 (white where a primitive has none) and texture coordinates
+/// TEXCOORD_0, turned to count v from below. Primitives may be compressed with Draco.
+/// @param folder  of the file, see GltfDocument::Open
+absl::StatusOr<MeshFile> ReadGltf(std::string_view bytes, const MeshLimits& limits,
+                                  const std::optional<std::string>& folder);
 
 }  // namespace ccst::io

@@ -45,6 +45,12 @@ void AppendDouble(std::string& out, double value) {
   out.append(buffer, result.ptr);
 }
 
+void AppendFloat(std::string& out, float value) {
+  char buffer[32];
+  const auto result = std::to_chars(buffer, buffer + sizeof(buffer), value);
+  out.append(buffer, result.ptr);
+}
+
 void AppendInteger(std::string& out, std::int64_t value) {
   char buffer[24];
   const auto result = std::to_chars(buffer, buffer + sizeof(buffer), value);

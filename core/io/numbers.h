@@ -20,6 +20,9 @@ std::optional<std::int64_t> ParseInteger(std::string_view token);
 /// Appends the shortest text that reads back as the same double.
 void AppendDouble(std::string& out, double value);
 
+/// Appends the shortest text that reads back as the same float.
+void AppendFloat(std::string& out, float value);
+
 void AppendInteger(std::string& out, std::int64_t value);
 
 /// `token` fit for an error message: cut, quoted, unprintable bytes replaced.

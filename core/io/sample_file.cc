@@ -11,6 +11,7 @@
 #include "core/io/io_errors.h"
 #include "core/io/numbers.h"
 #include "core/io/path_extension.h"
+#include "core/io/sample_columns.h"
 #include "draco/compression/expert_encode.h"
 #include "draco/core/encoder_buffer.h"
 #include "draco/point_cloud/point_cloud.h"
@@ -36,9 +37,15 @@ std::string EncodePly(const SampleSet& samples) {
       absl::StrCat("ply\nformat binary_little_endian 1.0\nelement vertex ", count,
                    "\nproperty double x\nproperty double y\nproperty double z\n"
                    "property float nx\nproperty float ny\nproperty float nz\nproperty int face\n"
-                   "property double bary_u\nproperty double bary_v\nend_header\n");
-  constexpr std::size_t kRecordBytes = 3 * 8 + 3 * 4 + 4 + 2 * 8;
-  out.reserve(out.size() + kRecordBytes * count);
+                   "property double bary_u\nproperty double bary_v\n");
+  std::size_t record_bytes = 3 * 8 + 3 * 4 + 4 + 2 * 8;
+  const std::vector<io::SampleColumn> columns = io::LayOutColumns(samples.attributes);
+  for (const io::SampleColumn& column : columns) {
+    absl::StrAppend(&out, "property ", column.is_color() ? "uchar " : "float ", column.name, "\n");
+    record_bytes += column.is_color() ? 1 : 4;
+  }
+  out += "end_header\n";
+  out.reserve(out.size() + record_bytes * count);
   for (std::size_t i = 0; i < count; ++i) {
     for (const double value : samples.positions[i]) io::AppendLittleEndian(out, value);
     for (const double value : samples.normals[i]) {
@@ -46,12 +53,22 @@ std::string EncodePly(const SampleSet& samples) {
     }
     io::AppendLittleEndian(out, samples.faces[i]);
     for (const double value : samples.barycentrics[i]) io::AppendLittleEndian(out, value);
+    for (const io::SampleColumn& column : columns) {
+      if (column.is_color()) {
+        io::AppendLittleEndian(out, io::ToByte(column.Value(i)));
+      } else {
+        io::AppendLittleEndian(out, column.Value(i));
+      }
+    }
   }
   return out;
 }
 
 std::string EncodeCsv(const SampleSet& samples) {
-  std::string out = "x,y,z,nx,ny,nz,face,bary_u,bary_v\n";
+  const std::vector<io::SampleColumn> columns = io::LayOutColumns(samples.attributes);
+  std::string out = "x,y,z,nx,ny,nz,face,bary_u,bary_v";
+  for (const io::SampleColumn& column : columns) absl::StrAppend(&out, ",", column.name);
+  out += '\n';
   for (std::size_t i = 0; i < samples.positions.size(); ++i) {
     for (const double value : samples.positions[i]) {
       io::AppendDouble(out, value);
@@ -65,6 +82,10 @@ std::string EncodeCsv(const SampleSet& samples) {
     for (const double value : samples.barycentrics[i]) {
       out += ',';
       io::AppendDouble(out, value);
+    }
+    for (const io::SampleColumn& column : columns) {
+      out += ',';
+      io::AppendFloat(out, column.Value(i));
     }
     out += '\n';
   }
@@ -134,6 +155,15 @@ absl::StatusOr<std::string> EncodeSamples(const SampleSet& samples, SampleFormat
     return Refuse(absl::StrCat(count, " positions, ", samples.normals.size(), " normals, ",
                                samples.faces.size(), " faces and ", samples.barycentrics.size(),
                                " barycentrics; there must be as many of each"));
+  }
+  for (const Attribute& attribute : samples.attributes) {
+    if (attribute.components >= 1 &&
+        attribute.values.size() == count * static_cast<std::size_t>(attribute.components)) {
+      continue;
+    }
+    return Refuse(absl::StrCat("attribute '", attribute.name, "' has ", attribute.values.size(),
+                               " values in rows of ", attribute.components, " for ", count,
+                               " samples"));
   }
   switch (format) {
     case SampleFormat::kPly:

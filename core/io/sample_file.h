@@ -10,10 +10,12 @@
 
 namespace ccst {
 
-/// Formats of sample files. Records are in the order of the samples.
+/// Formats of sample files. Records are in the order of the samples. PLY and CSV also hold the
+/// attributes: colours as red green blue [alpha] (PLY: uchar; CSV: fractions), texture coordinates
+/// as s t, scalars by name (PLY: float); see LayOutColumns() for names that are not plain or taken.
 enum class SampleFormat {
   kPly,    ///< Binary little endian: double x y z, float nx ny nz, int face, double bary_u bary_v.
-  kCsv,    ///< The same columns with a header line; text round-trips the doubles.
+  kCsv,    ///< The same columns with a header line; text round-trips doubles and floats.
   kXyz,    ///< `x y z` a line; text round-trips the doubles.
   kObj,    ///< `v x y z` a line; text round-trips the doubles.
   kDraco,  ///< A point cloud of 32-bit floats, in order.

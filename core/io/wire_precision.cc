@@ -5,10 +5,12 @@
 #include <Eigen/Geometry>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status.h"
 #include "core/io/draco_mesh.h"
+#include "core/io/draco_points.h"
 #include "core/io/io_errors.h"
 #include "core/io/numbers.h"
-#include "core/io/unused_vertices.h"
+#include "core/mesh/attributes.h"
 
 namespace ccst {
 namespace {
@@ -46,6 +48,7 @@ Eigen::Vector3d ChooseOrigin(const TriangleMesh& mesh) {
 
 absl::StatusOr<TriangleMesh> ToWirePrecision(const TriangleMesh& mesh,
                                              const Eigen::Vector3d& origin) {
+  CCST_RETURN_IF_ERROR(CheckAttributes(mesh));
   TriangleMesh result;
   result.positions.reserve(mesh.positions.size());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -65,7 +68,8 @@ absl::StatusOr<TriangleMesh> ToWirePrecision(const TriangleMesh& mesh,
                                        "; 32-bit floats need at least 1.2e-38; scale the mesh up"));
   }
   result.faces = mesh.faces;
-  return io::WithoutExcessVertices(std::move(result));
+  result.attributes = mesh.attributes;
+  return io::ToStreamLayout(std::move(result));
 }
 
 }  // namespace ccst

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/sampling/attributes.h"
+
 namespace ccst {
 
 SampleSet ExportSamples(const TriangleMesh& mesh, const SourceMap& sources, const Samples& samples,
@@ -33,6 +35,7 @@ SampleSet ExportSamples(const TriangleMesh& mesh, const SourceMap& sources, cons
                                place[triangulation.origin[3 * t + 1]],
                                place[triangulation.origin[3 * t + 2]]);
   }
+  set.attributes = InterpolateAttributes(mesh, set);
   return set;
 }
 

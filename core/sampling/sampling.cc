@@ -181,6 +181,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
                                              const SamplingOptions& options,
                                              const RunControl& run) {
   CCST_RETURN_IF_ERROR(options.Validate());
+  CCST_RETURN_IF_ERROR(CheckAttributes(mesh));
   const Clock::time_point start = Clock::now();
   // The time limit bounds the relaxation; without initial samples there is nothing to return.
   Interrupt stop(run.stop);
@@ -188,7 +189,6 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
     if (run.progress != nullptr) run.progress->OnPhase(phase);
   };
   enter(Phase::kPreparing);
-  CCST_RETURN_IF_ERROR(CheckAttributes(mesh));
   CCST_ASSIGN_OR_RETURN(RepairedMesh repaired,
                         Repair(mesh, {.weld_tolerance = options.weld_tolerance}, &stop));
   CCST_ASSIGN_OR_RETURN(const Surface surface, Surface::Build(repaired.mesh, &stop));

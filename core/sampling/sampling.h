@@ -127,6 +127,7 @@ struct SampleSet {
   std::vector<Eigen::Vector3d> positions;     ///< n x 3 on the surface [mesh unit].
   std::vector<Eigen::Vector3d> normals;       ///< n x 3 unit, interpolated over the host.
   std::vector<Eigen::Vector3i> triangles;     ///< m x 3 indices of samples; the sample mesh.
+  std::vector<Attribute> attributes = {};     ///< n x K each; see InterpolateAttributes().
 };
 
 /// What SampleSurface() returns.

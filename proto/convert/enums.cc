@@ -104,6 +104,18 @@ std::optional<SamplingMethod> FromProto(v1::SamplingMethod method) {
   }
 }
 
+v1::AttributeKind ToProto(AttributeKind kind) {
+  switch (kind) {
+    case AttributeKind::kScalar:
+      return v1::ATTRIBUTE_KIND_SCALAR;
+    case AttributeKind::kColor:
+      return v1::ATTRIBUTE_KIND_COLOR;
+    case AttributeKind::kTextureCoordinates:
+      return v1::ATTRIBUTE_KIND_TEXTURE_COORDINATES;
+  }
+  return v1::ATTRIBUTE_KIND_UNSPECIFIED;
+}
+
 std::optional<Energy> FromProto(v1::Energy energy) {
   switch (energy) {
     case v1::ENERGY_UNSPECIFIED:
@@ -141,6 +153,20 @@ std::optional<Termination> FromProto(v1::TerminationReason reason) {
       return Termination::kTimeLimit;
     case v1::TERMINATION_REASON_CANCELLED:
       return Termination::kStopped;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<AttributeKind> FromProto(v1::AttributeKind kind) {
+  switch (kind) {
+    case v1::ATTRIBUTE_KIND_UNSPECIFIED:
+    case v1::ATTRIBUTE_KIND_SCALAR:
+      return AttributeKind::kScalar;
+    case v1::ATTRIBUTE_KIND_COLOR:
+      return AttributeKind::kColor;
+    case v1::ATTRIBUTE_KIND_TEXTURE_COORDINATES:
+      return AttributeKind::kTextureCoordinates;
     default:
       return std::nullopt;
   }

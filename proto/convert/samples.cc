@@ -1,8 +1,12 @@
 #include "proto/convert/samples.h"
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "core/base/status.h"
+#include "core/mesh/attributes.h"
+#include "proto/convert/enums.h"
 
 namespace ccst {
 namespace {
@@ -20,7 +24,78 @@ Eigen::Vector3d VectorAt(const google::protobuf::RepeatedField<float>& values, i
   return Eigen::Vector3d(values[3 * row], values[3 * row + 1], values[3 * row + 2]);
 }
 
+v1::SampleAttribute AttributeToProto(const Attribute& attribute, std::int64_t start,
+                                     std::int64_t count) {
+  v1::SampleAttribute message;
+  message.set_name(attribute.name);
+  message.set_kind(ToProto(attribute.kind));
+  message.set_component_count(attribute.components);
+  const float* const values = attribute.values.data() + start * attribute.components;
+  message.mutable_values()->Add(values, values + count * attribute.components);
+  return message;
+}
+
+// A kind that is not known yet is a scalar to us.
+AttributeKind KindOf(const v1::SampleAttribute& message) {
+  return FromProto(message.kind()).value_or(AttributeKind::kScalar);
+}
+
+bool IsSame(const v1::SampleAttribute& message, const Attribute& attribute) {
+  return message.name() == attribute.name && KindOf(message) == attribute.kind &&
+         message.component_count() == attribute.components;
+}
+
+// Checks the attributes of a chunk of `count` samples that is to follow `samples`.
+absl::Status CheckAttributes(const v1::SampleChunk& chunk, const SampleSet& samples) {
+  constexpr int kMaxComponents = 4;
+  const auto attributes = static_cast<std::size_t>(chunk.attributes_size());
+  const bool is_first = samples.faces.empty();
+  if (attributes > kMaxAttributes || (!is_first && attributes != samples.attributes.size())) {
+    return BrokenStream("samples at " + std::to_string(chunk.start_index()) + " have " +
+                        std::to_string(attributes) + " attributes");
+  }
+  for (std::size_t i = 0; i < attributes; ++i) {
+    const v1::SampleAttribute& attribute = chunk.attributes(static_cast<int>(i));
+    const bool fits =
+        attribute.component_count() >= 1 && attribute.component_count() <= kMaxComponents &&
+        attribute.name().size() <= kMaxAttributeName &&
+        attribute.values_size() == attribute.component_count() * chunk.face_indices_size() &&
+        (is_first || IsSame(attribute, samples.attributes[i]));
+    if (fits) continue;
+    return BrokenStream("attribute " + std::to_string(i) + " of the samples at " +
+                        std::to_string(chunk.start_index()) + " does not fit them");
+  }
+  return absl::OkStatus();
+}
+
+void AppendAttributes(const v1::SampleChunk& chunk, SampleSet& samples) {
+  if (samples.faces.empty()) {
+    samples.attributes.clear();
+    for (const v1::SampleAttribute& attribute : chunk.attributes()) {
+      samples.attributes.push_back({.name = attribute.name(),
+                                    .kind = KindOf(attribute),
+                                    .components = attribute.component_count()});
+    }
+  }
+  for (int i = 0; i < chunk.attributes_size(); ++i) {
+    const auto& values = chunk.attributes(i).values();
+    std::vector<float>& all = samples.attributes[static_cast<std::size_t>(i)].values;
+    all.insert(all.end(), values.begin(), values.end());
+  }
+}
+
 }  // namespace
+
+std::int64_t SamplesPerChunk(const SampleSet& samples) {
+  constexpr std::int64_t kMaxChunkBytes = std::int64_t{1} << 20;
+  constexpr std::int64_t kHeaderBytes = std::int64_t{16} << 10;  // Names and lengths.
+  // A face of at most five bytes, two doubles, six floats.
+  std::int64_t sample_bytes = 5 + 2 * 8 + 6 * 4;
+  for (const Attribute& attribute : samples.attributes) {
+    sample_bytes += 4 * std::int64_t{attribute.components};
+  }
+  return std::min(kMaxChunkLength, (kMaxChunkBytes - kHeaderBytes) / sample_bytes);
+}
 
 v1::SampleChunk SampleChunkToProto(const SampleSet& samples, std::int64_t start,
                                    std::int64_t count) {
@@ -37,6 +112,9 @@ v1::SampleChunk SampleChunkToProto(const SampleSet& samples, std::int64_t start,
     chunk.add_barycentrics(samples.barycentrics[i][1]);
     AppendFloats(samples.positions[i], *chunk.mutable_positions());
     AppendFloats(samples.normals[i], *chunk.mutable_normals());
+  }
+  for (const Attribute& attribute : samples.attributes) {
+    *chunk.add_attributes() = AttributeToProto(attribute, start, count);
   }
   return chunk;
 }
@@ -65,6 +143,8 @@ absl::Status AppendChunk(const v1::SampleChunk& chunk, SampleSet& samples) {
     return BrokenStream("arrays of the samples at " + std::to_string(chunk.start_index()) +
                         " do not fit each other");
   }
+  CCST_RETURN_IF_ERROR(CheckAttributes(chunk, samples));
+  AppendAttributes(chunk, samples);
   for (int i = 0; i < count; ++i) {
     samples.faces.push_back(chunk.face_indices(i));
     samples.barycentrics.emplace_back(chunk.barycentrics(2 * i), chunk.barycentrics(2 * i + 1));

@@ -11,6 +11,10 @@ namespace ccst {
 /// Most samples in a `SampleChunk` and triangles in a `SampleMeshChunk`: under 1 MiB encoded.
 inline constexpr std::int64_t kMaxChunkLength = 16'384;
 
+/// Most samples of `samples` that a chunk holds within 1 MiB: kMaxChunkLength, or fewer where they
+/// carry many attributes.
+std::int64_t SamplesPerChunk(const SampleSet& samples);
+
 /// Samples [start, start + count) of `samples`, which must hold them.
 v1::SampleChunk SampleChunkToProto(const SampleSet& samples, std::int64_t start,
                                    std::int64_t count);
@@ -20,9 +24,10 @@ v1::SampleMeshChunk SampleMeshChunkToProto(const SampleSet& samples, std::int64_
                                            std::int64_t count);
 
 /// Appends the chunk to `samples`. Positions and normals have the precision of floats; faces and
-/// barycentrics are exact.
+/// barycentrics are exact, attributes too, whatever their values are.
 /// @errors INTERNAL when the chunk does not start where `samples` ends, its arrays do not fit
-///         each other, or a triangle names a sample not in `samples`; nothing is appended then.
+///         each other, its attributes are not those of the chunks before, or a triangle names a
+///         sample not in `samples`; nothing is appended then.
 absl::Status AppendChunk(const v1::SampleChunk& chunk, SampleSet& samples);
 absl::Status AppendChunk(const v1::SampleMeshChunk& chunk, SampleSet& samples);
 

@@ -79,7 +79,7 @@ bool SampleStream::WriteSamples(v1::SampleResponse& message) {
   const SampleSet& samples = ended_->result->run.samples;
   const auto sample_count = static_cast<std::int64_t>(samples.faces.size());
   if (next_sample_ < sample_count) {
-    const std::int64_t count = std::min(kMaxChunkLength, sample_count - next_sample_);
+    const std::int64_t count = std::min(SamplesPerChunk(samples), sample_count - next_sample_);
     *message.mutable_samples() = SampleChunkToProto(samples, next_sample_, count);
     next_sample_ += count;
     return true;

@@ -147,6 +147,8 @@ TEST(Convert, EnumsKnowEveryValue) {
   ExpectEnumRoundTrip<v1::Energy>();
   ExpectEnumRoundTrip<v1::JobPhase>();
   ExpectEnumRoundTrip<v1::TerminationReason>();
+  ExpectEnumRoundTrip<v1::AttributeKind>();
+  EXPECT_EQ(FromProto(v1::ATTRIBUTE_KIND_UNSPECIFIED), AttributeKind::kScalar);
   EXPECT_EQ(FromProto(v1::ENERGY_UNSPECIFIED), Energy::kTarget);
   EXPECT_EQ(FromProto(v1::JOB_PHASE_UNSPECIFIED), std::nullopt);
   EXPECT_EQ(FromProto(static_cast<v1::Energy>(99)), std::nullopt);
@@ -160,6 +162,14 @@ SampleSet ManySamples(int count) {
     samples.positions.emplace_back(i, 0.5, -i);
     samples.normals.emplace_back(0.0, 0.0, 1.0);
     samples.triangles.emplace_back(i, (i + 1) % count, (i + 2) % count);
+  }
+  samples.attributes = {{.name = "color", .kind = AttributeKind::kColor, .components = 3},
+                        {.name = "uv", .kind = AttributeKind::kTextureCoordinates, .components = 2},
+                        {.name = "heat"}};
+  for (Attribute& attribute : samples.attributes) {
+    for (int i = 0; i < count * attribute.components; ++i) {
+      attribute.values.push_back(1.0F / static_cast<float>(i + attribute.components));
+    }
   }
   return samples;
 }
@@ -182,6 +192,65 @@ TEST(Convert, ChunksTogetherAreTheSamples) {
   EXPECT_EQ(read.positions, samples.positions);
   EXPECT_EQ(read.normals, samples.normals);
   EXPECT_EQ(read.triangles, samples.triangles);
+  ASSERT_EQ(read.attributes.size(), samples.attributes.size());
+  for (std::size_t i = 0; i < read.attributes.size(); ++i) {
+    EXPECT_EQ(read.attributes[i].name, samples.attributes[i].name);
+    EXPECT_EQ(read.attributes[i].kind, samples.attributes[i].kind);
+    EXPECT_EQ(read.attributes[i].components, samples.attributes[i].components);
+    EXPECT_EQ(read.attributes[i].values, samples.attributes[i].values);
+  }
+}
+
+TEST(Convert, AttributesThatDoNotFitAreRefused) {
+  const SampleSet samples = ManySamples(10);
+  const v1::SampleChunk first = SampleChunkToProto(samples, 0, 4);
+  const auto refused = [](const v1::SampleChunk& chunk, SampleSet read) {
+    const std::size_t before = read.faces.size();
+    return !AppendChunk(chunk, read).ok() && read.faces.size() == before;
+  };
+  v1::SampleChunk chunk = first;
+  chunk.mutable_attributes(1)->add_values(0.0F);
+  EXPECT_TRUE(refused(chunk, {}));
+  for (const int components : {-1, 0, 5, 1 << 30}) {
+    chunk = first;
+    chunk.mutable_attributes(2)->set_component_count(components);
+    EXPECT_TRUE(refused(chunk, {})) << components;
+  }
+  chunk = first;
+  chunk.mutable_attributes(0)->set_name(std::string(65, 'x'));
+  EXPECT_TRUE(refused(chunk, {}));
+  chunk = first;
+  for (int i = 0; i < 62; ++i) *chunk.add_attributes() = first.attributes(2);
+  EXPECT_TRUE(refused(chunk, {}));
+
+  SampleSet read;
+  ASSERT_TRUE(AppendChunk(first, read).ok());
+  const v1::SampleChunk second = SampleChunkToProto(samples, 4, 4);
+  chunk = second;
+  chunk.mutable_attributes()->RemoveLast();
+  EXPECT_TRUE(refused(chunk, read));
+  chunk = second;
+  chunk.mutable_attributes(2)->set_name("cold");
+  EXPECT_TRUE(refused(chunk, read));
+  chunk = second;
+  chunk.mutable_attributes(0)->set_kind(v1::ATTRIBUTE_KIND_SCALAR);
+  EXPECT_TRUE(refused(chunk, read));
+  EXPECT_TRUE(AppendChunk(second, read).ok());
+}
+
+TEST(Convert, WideAttributesMakeShorterChunks) {
+  SampleSet samples = ManySamples(static_cast<int>(kMaxChunkLength));
+  samples.attributes.clear();
+  EXPECT_EQ(SamplesPerChunk(samples), kMaxChunkLength);
+  for (int i = 0; i < 64; ++i) {
+    samples.attributes.push_back({.name = std::string(62, 'x') + std::to_string(10 + i),
+                                  .components = 4,
+                                  .values = std::vector<float>(4 * kMaxChunkLength, 1.0F)});
+  }
+  const std::int64_t count = SamplesPerChunk(samples);
+  const std::size_t bytes = SampleChunkToProto(samples, 0, count).ByteSizeLong();
+  EXPECT_LT(bytes, 1U << 20);
+  EXPECT_GT(bytes, 1U << 19);
 }
 
 TEST(Convert, BrokenChunksAreRefused) {

@@ -69,6 +69,22 @@ std::string Difference(const TriangleMesh& a, const TriangleMesh& b) {
   for (std::size_t i = 0; i < a.faces.size(); ++i) {
     if (a.faces[i] != b.faces[i]) return "face " + std::to_string(i);
   }
+  if (a.attributes.size() != b.attributes.size()) {
+    return std::to_string(a.attributes.size()) + " and " + std::to_string(b.attributes.size()) +
+           " attributes";
+  }
+  for (std::size_t i = 0; i < a.attributes.size(); ++i) {
+    const Attribute& left = a.attributes[i];
+    const Attribute& right = b.attributes[i];
+    if (left.name != right.name || left.kind != right.kind || left.id != right.id ||
+        left.components != right.components || left.per_corner != right.per_corner) {
+      return "description of attribute " + left.name + " and " + right.name;
+    }
+    if (left.values.size() != right.values.size() ||
+        std::memcmp(left.values.data(), right.values.data(), 4 * left.values.size()) != 0) {
+      return "values of attribute " + left.name;
+    }
+  }
   return "";
 }
 

@@ -17,7 +17,7 @@ namespace ccst::testing {
 std::string WhyNotRefused(const absl::Status& status, ErrorReason reason,
                           std::initializer_list<std::string_view> message_parts);
 
-/// Empty when both have the same faces and bit for bit the same positions.
+/// Empty when both have the same faces and attributes and bit for bit the same positions.
 std::string Difference(const TriangleMesh& a, const TriangleMesh& b);
 
 /// The faces in another order, their corners turned, the vertices in another order.

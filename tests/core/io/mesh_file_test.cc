@@ -176,7 +176,7 @@ TEST(MeshFile, ErrorsNameThePath) {
             std::string::npos);
   ASSERT_EQ(mkdir((folder / "dir.off").c_str(), 0777), 0);
   EXPECT_EQ(ReadMeshFile(folder / "dir.off").status().code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_REFUSED(ReadMeshFile(folder / "m.gltf"), ErrorReason::kMeshUnreadable, "m.gltf", ".obj");
+  EXPECT_REFUSED(ReadMeshFile(folder / "m.xyz"), ErrorReason::kMeshUnreadable, "m.xyz", ".gltf");
   testing::WriteBytes(folder / "bad.off", "OFF\nx\n");
   EXPECT_REFUSED(ReadMeshFile(folder / "bad.off"), ErrorReason::kMeshUnreadable, folder / "bad.off",
                  "line 2");

@@ -1,0 +1,13 @@
+#pragma once
+
+namespace ccst::io {
+
+/// The metadata entry that names an attribute, as other programs write it too.
+inline constexpr char kDracoNameEntry[] = "name";
+
+/// The name of the attribute of our own that tells which points are one vertex: 8-bit numbers, 1
+/// where a point is the same vertex as the point before. Only in streams whose vertices have
+/// corners with different values.
+inline constexpr char kDracoSplitsName[] = "ccst.splits";
+
+}  // namespace ccst::io

@@ -1,0 +1,264 @@
+#include "core/io/gltf_document.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+#include "core/io/io_errors.h"
+#include "core/io/numbers.h"
+#include "core/io/whole_file.h"
+
+namespace ccst::io {
+namespace {
+
+using Json = nlohmann::json;
+
+// Values of the glTF 2.0 specification.
+constexpr std::string_view kMagic = "glTF";
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
+constexpr std::uint32_t kBinChunk = 0x004E4942;
+
+struct Chunks {
+  std::string_view json;
+  std::string_view binary;
+};
+
+absl::StatusOr<Chunks> CutGlb(std::string_view bytes) {
+  constexpr std::size_t kHeader = 12;
+  const auto word = [bytes](std::size_t at) {
+    return LoadBytes<std::uint32_t>(bytes.data() + at, std::endian::little);
+  };
+  if (bytes.size() < kHeader) return Unreadable("the GLB header is cut off");
+  if (word(4) != 2) {
+    return Unreadable(absl::StrCat("glTF version ", word(4), "; version 2 is known"));
+  }
+  Chunks chunks;
+  std::size_t at = kHeader;
+  while (bytes.size() - at >= 8) {
+    const std::size_t size = word(at);
+    const std::uint32_t type = word(at + 4);
+    at += 8;
+    if (size > bytes.size() - at) {
+      return Unreadable(absl::StrCat("byte ", at, ": a chunk of ", size, " bytes, but only ",
+                                     bytes.size() - at, " are left"));
+    }
+    if (type == kJsonChunk && chunks.json.empty()) chunks.json = bytes.substr(at, size);
+    if (type == kBinChunk && chunks.binary.empty()) chunks.binary = bytes.substr(at, size);
+    at += size;
+  }
+  if (chunks.json.empty()) return Unreadable("the GLB file has no JSON chunk");
+  return chunks;
+}
+
+// Decodes %20 and its like.
+std::string PercentDecoded(std::string_view uri) {
+  std::string result;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    const bool is_code = uri[i] == '%' && i + 2 < uri.size() && absl::ascii_isxdigit(uri[i + 1]) &&
+                         absl::ascii_isxdigit(uri[i + 2]);
+    if (!is_code) {
+      result += uri[i];
+      continue;
+    }
+    result += absl::HexStringToBytes(absl::string_view(uri.data() + i + 1, 2));
+    i += 2;
+  }
+  return result;
+}
+
+absl::StatusOr<std::string> ReadUri(const std::string& uri,
+                                    const std::optional<std::string>& folder,
+                                    std::int64_t max_bytes) {
+  if (uri.starts_with("data:")) {
+    constexpr std::string_view kMark = ";base64,";
+    const std::size_t mark = uri.find(kMark);
+    std::string data;
+    if (mark == std::string::npos ||
+        !absl::Base64Unescape(
+            absl::string_view(uri.data() + mark + kMark.size(), uri.size() - mark - kMark.size()),
+            &data)) {
+      return Unreadable("a buffer's data URI is not base64");
+    }
+    return data;
+  }
+  const std::string name = PercentDecoded(uri);
+  const bool is_beside = name.find_first_of(std::string_view("/\\\0", 3)) == std::string::npos &&
+                         name.ends_with(".bin");
+  if (!is_beside) {
+    return Unreadable(
+        absl::StrCat("buffer ", Quoted(name), ": only .bin files in the same folder are read"));
+  }
+  if (!folder.has_value()) {
+    return Unreadable(absl::StrCat("buffer ", Quoted(name), " is another file, but the mesh was ",
+                                   "not read from a file; save it as .glb"));
+  }
+  return ReadWholeFile(absl::StrCat(folder->empty() ? "." : *folder, "/", name), max_bytes);
+}
+
+int ComponentBytes(std::int64_t type) {
+  switch (type) {
+    case 5120:
+    case 5121:
+      return 1;
+    case 5122:
+    case 5123:
+      return 2;
+    case 5125:
+    case 5126:
+      return 4;
+    default:
+      return 0;
+  }
+}
+
+int ComponentCount(const std::string& type) {
+  constexpr std::array<std::pair<std::string_view, int>, 4> kTypes = {
+      {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}}};
+  for (const auto& [name, count] : kTypes) {
+    if (name == type) return count;
+  }
+  return 0;
+}
+
+template <typename T>
+double Load(const char* data, bool normalized) {
+  const auto value = static_cast<double>(LoadBytes<T>(data, std::endian::little));
+  if (!normalized) return value;
+  return std::max(-1.0, value / static_cast<double>(std::numeric_limits<T>::max()));
+}
+
+}  // namespace
+
+double GltfAccessor::At(std::int64_t row, int component) const {
+  const char* const at =
+      data + row * stride + std::int64_t{component} * ComponentBytes(component_type);
+  switch (component_type) {
+    case 5120:
+      return Load<std::int8_t>(at, normalized);
+    case 5121:
+      return Load<std::uint8_t>(at, normalized);
+    case 5122:
+      return Load<std::int16_t>(at, normalized);
+    case 5123:
+      return Load<std::uint16_t>(at, normalized);
+    case 5125:
+      return Load<std::uint32_t>(at, normalized);
+    default:
+      return LoadBytes<float>(at, std::endian::little);
+  }
+}
+
+absl::StatusOr<std::int64_t> GltfInteger(const Json& object, const char* key,
+                                         std::int64_t missing) {
+  const auto found = object.find(key);
+  if (found == object.end()) return missing;
+  constexpr std::uint64_t kMax = std::uint64_t{1} << 53;
+  if (!found->is_number_unsigned() || found->get<std::uint64_t>() > kMax) {
+    return Unreadable(absl::StrCat("'", key, "' must be a whole number of at least 0"));
+  }
+  return static_cast<std::int64_t>(found->get<std::uint64_t>());
+}
+
+absl::StatusOr<GltfDocument> GltfDocument::Open(std::string_view bytes,
+                                                const std::optional<std::string>& folder,
+                                                const MeshLimits& limits) {
+  GltfDocument document;
+  Chunks chunks{.json = bytes, .binary = {}};
+  if (bytes.starts_with(kMagic)) {
+    CCST_ASSIGN_OR_RETURN(chunks, CutGlb(bytes));
+  }
+  document.binary_ = chunks.binary;
+  document.json_ = Json::parse(chunks.json.begin(), chunks.json.end());
+  if (!document.json_.is_object() || !document.json_.contains("asset")) {
+    return Unreadable("the JSON is no glTF: it has no 'asset'");
+  }
+  CCST_RETURN_IF_ERROR(document.ReadBuffers(folder, limits));
+  return document;
+}
+
+absl::Status GltfDocument::ReadBuffers(const std::optional<std::string>& folder,
+                                       const MeshLimits& limits) {
+  const auto buffers = json_.find("buffers");
+  if (buffers == json_.end()) return absl::OkStatus();
+  std::int64_t left = limits.max_bytes;
+  for (const Json& buffer : *buffers) {
+    CCST_ASSIGN_OR_RETURN(const std::int64_t length, GltfInteger(buffer, "byteLength", 0));
+    const bool is_binary = !buffer.contains("uri");
+    std::string data;
+    if (!is_binary) {
+      CCST_ASSIGN_OR_RETURN(data, ReadUri(buffer["uri"].get<std::string>(), folder, left));
+    }
+    const std::size_t size = is_binary ? binary_.size() : data.size();
+    if (static_cast<std::uint64_t>(length) > size) {
+      return Unreadable(absl::StrCat("buffer ", storage_.size(), " announces ", length,
+                                     " bytes, but has ", size));
+    }
+    left -= static_cast<std::int64_t>(data.size());
+    storage_.push_back(std::move(data));
+    is_binary_.push_back(is_binary);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<const Json*> GltfDocument::Element(const char* array, std::int64_t index) const {
+  const auto found = json_.find(array);
+  if (found == json_.end() || !found->is_array() || index < 0 ||
+      static_cast<std::uint64_t>(index) >= found->size()) {
+    return Unreadable(absl::StrCat("there is no ", index, " in '", array, "' (counted from 0)"));
+  }
+  return &(*found)[static_cast<std::size_t>(index)];
+}
+
+absl::StatusOr<std::string_view> GltfDocument::BufferView(std::int64_t index) const {
+  CCST_ASSIGN_OR_RETURN(const Json* const view, Element("bufferViews", index));
+  CCST_ASSIGN_OR_RETURN(const std::int64_t buffer, GltfInteger(*view, "buffer", -1));
+  CCST_ASSIGN_OR_RETURN(const std::int64_t offset, GltfInteger(*view, "byteOffset", 0));
+  CCST_ASSIGN_OR_RETURN(const std::int64_t length, GltfInteger(*view, "byteLength", 0));
+  CCST_RETURN_IF_ERROR(Element("buffers", buffer).status());
+  const auto at = static_cast<std::size_t>(buffer);
+  const std::string_view bytes = is_binary_[at] ? binary_ : std::string_view(storage_[at]);
+  if (static_cast<std::uint64_t>(offset) > bytes.size() ||
+      static_cast<std::uint64_t>(length) > bytes.size() - static_cast<std::size_t>(offset)) {
+    return Unreadable(
+        absl::StrCat("buffer view ", index, " ends behind its buffer of ", bytes.size(), " bytes"));
+  }
+  return bytes.substr(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+}
+
+absl::StatusOr<GltfAccessor> GltfDocument::Accessor(std::int64_t index) const {
+  CCST_ASSIGN_OR_RETURN(const Json* const json, Element("accessors", index));
+  const std::string where = absl::StrCat("accessor ", index);
+  if (json->contains("sparse")) return Unreadable(where + " is sparse, which is not supported");
+  CCST_ASSIGN_OR_RETURN(const std::int64_t view_index, GltfInteger(*json, "bufferView", -1));
+  if (view_index < 0) return Unreadable(where + " has no buffer view");
+  CCST_ASSIGN_OR_RETURN(const std::string_view view, BufferView(view_index));
+  CCST_ASSIGN_OR_RETURN(const std::int64_t offset, GltfInteger(*json, "byteOffset", 0));
+  CCST_ASSIGN_OR_RETURN(const std::int64_t type, GltfInteger(*json, "componentType", 0));
+  GltfAccessor accessor;
+  CCST_ASSIGN_OR_RETURN(accessor.count, GltfInteger(*json, "count", 0));
+  accessor.component_type = static_cast<int>(type);
+  accessor.components = ComponentCount(json->value("type", ""));
+  accessor.normalized = json->value("normalized", false);
+  const std::int64_t row = std::int64_t{ComponentBytes(type)} * accessor.components;
+  if (row == 0) return Unreadable(where + " is of a type that is not known");
+  CCST_ASSIGN_OR_RETURN(const Json* const view_json, Element("bufferViews", view_index));
+  CCST_ASSIGN_OR_RETURN(accessor.stride, GltfInteger(*view_json, "byteStride", row));
+  const auto size = static_cast<std::int64_t>(view.size());
+  // In this order nothing overflows.
+  const bool fits = accessor.count > 0 && accessor.stride >= row && offset <= size - row &&
+                    accessor.count - 1 <= (size - row - offset) / accessor.stride;
+  if (!fits) {
+    return Unreadable(absl::StrCat(where, ": ", accessor.count, " rows of ", row,
+                                   " bytes do not fit its buffer view of ", size, " bytes"));
+  }
+  accessor.data = view.data() + offset;
+  return accessor;
+}
+
+}  // namespace ccst::io

@@ -1,0 +1,63 @@
+#include "core/io/sample_columns.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace ccst::io {
+namespace {
+
+std::string PlainName(const std::string& name) {
+  std::string result = name.empty() ? "attribute" : name;
+  std::replace_if(
+      result.begin(), result.end(),
+      [](char c) {
+        const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 && c > 0;
+        return !is_plain && c != '_' && c != '.' && c != '-';
+      },
+      '_');
+  return result;
+}
+
+std::string ColumnName(const Attribute& attribute, std::size_t component) {
+  constexpr std::array<const char*, 4> kColor = {"red", "green", "blue", "alpha"};
+  constexpr std::array<const char*, 2> kTexture = {"s", "t"};
+  if (attribute.kind == AttributeKind::kColor && component < kColor.size()) {
+    return kColor[component];
+  }
+  if (attribute.kind == AttributeKind::kTextureCoordinates && component < kTexture.size()) {
+    return kTexture[component];
+  }
+  const std::string name = PlainName(attribute.name);
+  return attribute.components == 1 ? name : absl::StrCat(name, "_", component);
+}
+
+}  // namespace
+
+std::vector<SampleColumn> LayOutColumns(const std::vector<Attribute>& attributes) {
+  std::set<std::string> taken = {"x", "y", "z", "nx", "ny", "nz", "face", "bary_u", "bary_v"};
+  std::vector<SampleColumn> columns;
+  for (const Attribute& attribute : attributes) {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(attribute.components); ++k) {
+      const std::string name = ColumnName(attribute, k);
+      std::string unique = name;
+      for (int copy = 2; !taken.insert(unique).second; ++copy) {
+        unique = absl::StrCat(name, "_", copy);
+      }
+      columns.push_back({.name = std::move(unique), .attribute = &attribute, .component = k});
+    }
+  }
+  return columns;
+}
+
+std::uint8_t ToByte(float fraction) {
+  if (std::isnan(fraction)) return 0;
+  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(fraction, 0.0f, 1.0f)));
+}
+
+}  // namespace ccst::io
