@@ -23,6 +23,7 @@ Coverage::Coverage(const Surface* surface, const Density* density, const Plan* p
   for (std::int32_t v = 0; v < surface->vertex_count(); ++v) {
     const std::int32_t h = surface->outgoing()[v];
     if (surface->twins()[h] < 0) continue;  // Loops have their own samples.
+    if (plan->components[surface->face_components()[h / 3]].points) continue;
     Eigen::Vector3d weights = Eigen::Vector3d::Zero();
     weights[h % 3] = 1.0;
     const PrincipalCurvatures curvature =
@@ -44,7 +45,9 @@ std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh, cons
     const std::int32_t v = curved_[k];
     const Eigen::Vector3d& place = surface_.positions()[v];
     UncoveredPlace nearest{v, -1, std::numeric_limits<double>::infinity(), spacing_[k]};
+    const std::int32_t component = surface_.face_components()[surface_.outgoing()[v] / 3];
     for (const std::int32_t i : tree.Nearest(place, kNearest)) {
+      if (samples.component[i] != component) continue;
       // Triangles on the other side of a thin part do not cover this one.
       if (samples.normal[i].dot(surface_.normals()[v]) < -0.5) continue;
       mesh.ForEachOutgoing(i, [&](std::int32_t h) {

@@ -128,6 +128,7 @@ double GeometryPhase::Capacity(std::int32_t t) const {
 }
 
 GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
+  if (mesh_.triangle_count() == 0) return {};
   double sum = 0.0;
   double squares = 0.0;
   for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
@@ -146,6 +147,7 @@ GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
 bool GeometryPhase::Gather(std::int32_t v, Ring* ring) const {
   int count = 0;
   const std::int32_t start = mesh_.outgoing[v];
+  if (start < 0) return false;  // A point.
   std::int32_t h = start;
   const auto add = [&](std::int32_t u, std::int32_t half_edge) {
     ring->vertex[count] = u;

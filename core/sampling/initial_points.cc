@@ -58,9 +58,10 @@ Samples DrawInitialPoints(const Surface& surface, const Density& density, const 
       return k < order.size() &&
              surface.face_components()[order[k]] == static_cast<std::int32_t>(c);
     };
+    const std::int32_t begin = i;
     double passed = 0.0;  // Capacity of the component's faces before order[at].
     for (std::int32_t k = 0; k < interior; ++k, ++i) {
-      const double wanted = (k + random.Uniform(i)) * stratum;
+      const double wanted = (k + random.Uniform(component.points ? begin : i)) * stratum;
       while (in_component(at + 1) && passed + capacities[order[at]] <= wanted) {
         passed += capacities[order[at++]];
       }
@@ -74,6 +75,7 @@ Samples DrawInitialPoints(const Surface& surface, const Density& density, const 
             point.weights[corner] * surface.positions()[surface.faces()[face][corner]];
       }
       samples.Place(i, surface, point);
+      if (component.points) samples.kind[i] = SampleMesh::Kind::kPoint;
       samples.component[i] = static_cast<std::int32_t>(c);
     }
     while (in_component(at)) ++at;

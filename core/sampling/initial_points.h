@@ -13,8 +13,9 @@ namespace ccst {
 /// by capacity. The capacity is cut into as many equal strata as there are samples, along a
 /// Hilbert curve over the faces and a quadtree inside each, with one sample drawn in each stratum:
 /// every region gets its share from the start, and neighbours in memory are neighbours in space.
-/// Samples are ordered by component; within one, interior ones along the curve, then boundary
-/// ones loop by loop.
+/// On a component that gets points all are drawn at the same place of their strata, which keeps
+/// them apart. Samples are ordered by component; within one, interior ones along the curve, then
+/// boundary ones loop by loop.
 Samples DrawInitialPoints(const Surface& surface, const Density& density, const Plan& plan,
                           std::uint64_t seed);
 

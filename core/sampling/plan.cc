@@ -191,31 +191,20 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density, st
   for (std::size_t c = 0; c < component_count; ++c) {
     least[c] = SmallestCount(euler[c], open_loops[c]);
   }
-  const auto fits = [&](const std::vector<std::int64_t>& shares) {
-    for (std::size_t c = 0; c < component_count; ++c) {
-      if (shares[c] < least[c]) return false;
-    }
-    return true;
-  };
-  const std::vector<std::int64_t> shares = Shares(capacities, area, count);
-  if (!fits(shares)) {
-    // Start where the neediest component has its least and step over the rounding.
-    double bound = 0.0;
-    for (std::size_t c = 0; c < component_count; ++c) {
-      bound = std::max(
-          bound, (static_cast<double>(least[c]) - 1.0) * area / std::max(capacities[c], 1e-300));
-    }
-    auto candidate = std::max(count + 1, static_cast<std::int64_t>(std::min(bound, 1e15)));
-    for (int step = 0; step < 1000 && !fits(Shares(capacities, area, candidate)); ++step)
-      ++candidate;
-    *smallest = candidate;
+  if (component_count == 1 && count < least[0]) {
+    *smallest = least[0];
     return TooSmall(count);
   }
+  const std::vector<std::int64_t> shares = Shares(capacities, area, count);
 
   plan.components.resize(component_count);
   for (std::size_t c = 0; c < component_count; ++c) {
     ComponentPlan& component = plan.components[c];
     component.samples = shares[c];
+    if (component.samples < least[c]) {
+      plan.MakePoints(surface, static_cast<std::int32_t>(c));
+      continue;
+    }
     double covered = capacities[c];
     std::vector<std::size_t> own;
     for (std::size_t l = 0; l < loops.size(); ++l) {
@@ -245,6 +234,10 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density, st
       component.boundary_samples = total;
     }
     if (component.boundary_samples > component.samples || triangles() < 1) {
+      if (component_count > 1) {
+        plan.MakePoints(surface, static_cast<std::int32_t>(c));
+        continue;
+      }
       *smallest = std::max(
           count + 1,
           static_cast<std::int64_t>(std::ceil(static_cast<double>(component.boundary_samples + 1) *
@@ -260,6 +253,19 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density, st
 std::ptrdiff_t LoopPlan::Segment(double arc) const {
   const auto after = std::upper_bound(start.begin(), start.end(), arc);
   return std::max<std::ptrdiff_t>(0, after - start.begin() - 1);
+}
+
+void Plan::MakePoints(const Surface& surface, std::int32_t c) {
+  components[c].points = true;
+  components[c].boundary_samples = 0;
+  components[c].triangles = 0;
+  for (std::size_t l = 0; l < loops.size(); ++l) {
+    if (surface.boundary_loops()[l].component != c) continue;
+    closed_loops -= loops[l].closed;
+    loops[l].closed = false;
+    loops[l].arcs.clear();
+    loops[l].fixed.clear();
+  }
 }
 
 SurfacePoint PointOnLoop(const Surface& surface, const Plan& plan, std::int32_t index, double arc) {

@@ -31,6 +31,7 @@ struct ComponentPlan {
   std::int64_t boundary_samples = 0;
   std::int64_t triangles = 0;  ///< Of the sample mesh.
   double target = 0.0;         ///< C*, the target capacity of a sample triangle.
+  bool points = false;         ///< Too small for a triangulation: samples stay as they are drawn.
 };
 
 struct Plan {
@@ -42,12 +43,15 @@ struct Plan {
 
   /// Hexagonal spacing where the density is `rho`.
   double LocalSpacing(double rho) const { return spacing / std::sqrt(rho); }
+  /// Gives up the triangulation of component `c`; its samples stay as many.
+  void MakePoints(const Surface& surface, std::int32_t c);
 };
 
 /// Shares `count` samples out over components by capacity (largest remainders) and over boundary
 /// loops by spacing; corners of a loop (turning by more than 60 degrees) get a sample that stays.
+/// Of several components those too small for a triangulation get points instead.
 /// @param smallest  set to the smallest larger count that may work when `count` is too small.
-/// @errors INVALID_ARGUMENT COUNT_TOO_SMALL.
+/// @errors INVALID_ARGUMENT COUNT_TOO_SMALL for the topology of the only component.
 absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density, std::int64_t count,
                               std::uint64_t seed, std::int64_t* smallest);
 

@@ -133,6 +133,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
                                                               : Termination::kStopped;
   };
 
+  if (mesh->triangle_count() == 0) return finish(Termination::kConverged);  // Points alone.
   int mends = 0;
   int failed = 0;
   while (result.alternations < options.max_iterations) {

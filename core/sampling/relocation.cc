@@ -155,7 +155,7 @@ std::vector<Defect> FindDefects(const Surface& surface, const Density& density, 
     Neighbourhood near(mesh);
     for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
       if (interrupt->RequestedAt(v)) break;
-      if (!scope[v]) continue;
+      if (!scope[v] || samples.kind[v] == SampleMesh::Kind::kPoint) continue;
       for (const std::int32_t u : near.Of(v, limits.reach)) {
         if (u > v || (u < v && !scope[u])) check_pair(v, u);
       }

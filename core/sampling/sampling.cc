@@ -50,6 +50,11 @@ SurfaceSummary Summarise(const Surface& surface, const Plan& plan) {
   summary.boundary_loops = static_cast<std::int64_t>(surface.boundary_loops().size());
   for (const std::int64_t euler : surface.component_eulers()) summary.euler += euler;
   summary.closed_loops = plan.closed_loops;
+  for (const ComponentPlan& component : plan.components) {
+    if (!component.points) continue;
+    ++summary.untriangulated_components;
+    summary.untriangulated_samples += component.samples;
+  }
   return summary;
 }
 
@@ -67,8 +72,14 @@ absl::StatusOr<Start> TryStart(const Surface& surface, const Density& density, s
   *smallest = count + 1;
   CCST_ASSIGN_OR_RETURN(start.plan, MakePlan(surface, density, count, seed, smallest));
   start.samples = DrawInitialPoints(surface, density, start.plan, seed);
-  CCST_ASSIGN_OR_RETURN(start.mesh,
-                        BuildInitialMesh(surface, start.plan, start.samples, interrupt));
+  std::vector<std::int32_t> failed;
+  const bool several = start.plan.components.size() > 1;
+  CCST_ASSIGN_OR_RETURN(start.mesh, BuildInitialMesh(surface, start.plan, start.samples, interrupt,
+                                                     several ? &failed : nullptr));
+  if (failed.empty()) return start;
+  // Those components get points instead; drawing again changes nothing on the others.
+  for (const std::int32_t c : failed) start.plan.MakePoints(surface, c);
+  start.samples = DrawInitialPoints(surface, density, start.plan, seed);
   return start;
 }
 

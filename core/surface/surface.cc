@@ -142,7 +142,8 @@ absl::Status Surface::Connect(Interrupt* interrupt) {
       twins_[g] = h;
       return true;
     }
-    const auto [low, high] = std::minmax(Origin(h), Target(h));
+    const std::int32_t low = std::min(Origin(h), Target(h));
+    const std::int32_t high = std::max(Origin(h), Target(h));
     const std::string edge = absl::StrCat("the edge between vertices ", low, " and ", high,
                                           " near ", Describe(ToMesh(positions_[low])));
     if (half_edges.size() > 2) {

@@ -49,7 +49,7 @@ double Area(const SampleMesh& mesh, const std::vector<Eigen::Vector3d>& position
 std::string FindDifference(const SamplingResult& a, const SamplingResult& b);
 
 /// Says what of a result is wrong: counts, hosts, positions, normals, topology against that of
-/// the surface, triangles turned over; empty when nothing is.
+/// the surface as far as it is triangulated, triangles turned over; empty when nothing is.
 std::string FindFault(const TriangleMesh& mesh, std::int64_t count, const SamplingResult& result);
 
 /// A closed surface with six thin, pointed arms; genus 0.
