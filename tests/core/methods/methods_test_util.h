@@ -29,7 +29,7 @@ const std::vector<Method>& AllMethods();
 
 /// The method called `name`, run without a stop; fails the test when it returns an error.
 Points Sample(const std::string& name, const Surface& surface, const Density& density,
-           std::int64_t count, std::uint64_t seed = 1);
+              std::int64_t count, std::uint64_t seed = 1);
 
 /// The surface of a mesh known to be one.
 Surface SurfaceOf(const TriangleMesh& mesh);

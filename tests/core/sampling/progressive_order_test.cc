@@ -24,8 +24,8 @@ double PrefixRadius(const SamplingResult& result, std::size_t count) {
 }
 
 TEST(ProgressiveOrder, EveryPrefixIsWellSpread) {
-  const std::vector<TriangleMesh> meshes = {
-      shapes::Icosphere(4), shapes::Torus(1, 0.35, 96, 48), shapes::PlaneGrid(1, 1, 20, 20)};
+  const std::vector<TriangleMesh> meshes = {shapes::Icosphere(4), shapes::Torus(1, 0.35, 96, 48),
+                                            shapes::PlaneGrid(1, 1, 20, 20)};
   for (const TriangleMesh& mesh : meshes) {
     for (std::uint64_t seed = 0; seed < 2; ++seed) {
       SamplingOptions options;
