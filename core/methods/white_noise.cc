@@ -13,7 +13,7 @@ absl::StatusOr<std::vector<SurfacePoint>> DrawWhiteNoise(const Surface& surface,
                                                          const Density& density, std::int64_t count,
                                                          std::uint64_t seed,
                                                          const MethodControl& control) {
-  const CapacityCurve curve(surface, density);
+  const CapacityCurve curve(surface, density, control.interrupt);
   const CounterRandom random(seed, kStream);
   std::vector<SurfacePoint> points(count);
   for (std::int64_t i = 0; i < count; ++i) {
