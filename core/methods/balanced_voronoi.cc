@@ -186,7 +186,7 @@ absl::StatusOr<RelaxedSamples> BalanceVoronoi(const Surface& surface, const Dens
                      absl::StrCat("capacity-constrained Voronoi tessellation takes at most ",
                                   kMaxBalancedCount, " samples; sample_count is ", count));
   }
-  const CapacityCurve curve(surface, density);
+  const CapacityCurve curve(surface, density, control.interrupt);
   std::vector<SurfacePoint> start;
   start.reserve(count);
   ForEachStratum(density, curve, count, 1, CounterRandom(seed, kSiteStream), control.interrupt,

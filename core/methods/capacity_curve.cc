@@ -1,52 +1,43 @@
 #include "core/methods/capacity_curve.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <tuple>
 
-#include "core/spatial/hilbert.h"
+#include "core/spatial/spatial_order.h"
 
 namespace ccst {
-namespace {
 
-std::uint64_t KeyOf(const Surface& surface, std::int32_t f) {
-  const Eigen::Vector3i& face = surface.faces()[f];
-  const Eigen::Vector3d center =
-      (surface.positions()[face[0]] + surface.positions()[face[1]] + surface.positions()[face[2]]) /
-      3.0;
-  std::array<std::uint32_t, 3> cell;
-  for (int k = 0; k < 3; ++k) {
-    cell[k] = static_cast<std::uint32_t>(std::clamp((center[k] + 0.5) * 65535.0, 0.0, 65535.0));
-  }
-  return HilbertIndex(cell);
-}
-
-}  // namespace
-
-CapacityCurve::CapacityCurve(const Surface& surface, const Density& density)
-    : surface_(surface), density_(density) {
-  std::vector<std::tuple<std::int32_t, std::uint64_t, std::int32_t>> order;
-  order.reserve(surface.face_count());
+CapacityCurve::CapacityCurve(const Surface& surface, const Density& density, Interrupt* interrupt)
+    : surface_(surface),
+      density_(density),
+      component_begins_(surface.component_areas().size() + 1, 0.0) {
+  std::vector<Eigen::Vector3d> centers(surface.face_count());
+  std::vector<std::int64_t> next(component_begins_.size() + 1, 0);
   for (std::int32_t f = 0; f < surface.face_count(); ++f) {
-    if (!(density.face_capacities()[f] > 0.0)) continue;
-    order.emplace_back(surface.face_components()[f], KeyOf(surface, f), f);
+    const Eigen::Vector3i& face = surface.faces()[f];
+    centers[f] = (surface.positions()[face[0]] + surface.positions()[face[1]] +
+                  surface.positions()[face[2]]) /
+                 3.0;
+    ++next[surface.face_components()[f] + 1];
   }
-  std::sort(order.begin(), order.end());
-  faces_.reserve(order.size());
-  ends_.reserve(order.size());
-  component_begins_.reserve(surface.component_areas().size() + 1);
+  const std::vector<std::int32_t> order = HilbertOrder(centers, interrupt);
+  if (interrupt->Requested()) return;
+  for (std::size_t c = 1; c < next.size(); ++c) next[c] += next[c - 1];
+  faces_.resize(surface.face_count());
+  for (const std::int32_t f : order) faces_[next[surface.face_components()[f]]++] = f;
+  std::erase_if(faces_, [&](std::int32_t f) { return !(density.face_capacities()[f] > 0.0); });
+  ends_.reserve(faces_.size());
+  std::size_t begun = 0;
   double end = 0.0;
-  for (const auto& [component, key, face] : order) {
-    while (component_begins_.size() <= static_cast<std::size_t>(component)) {
-      component_begins_.push_back(end);
+  for (const std::int32_t f : faces_) {
+    while (begun <= static_cast<std::size_t>(surface.face_components()[f])) {
+      component_begins_[begun++] = end;
     }
-    end += density.face_capacities()[face];
-    faces_.push_back(face);
+    end += density.face_capacities()[f];
     ends_.push_back(end);
   }
-  component_begins_.resize(surface.component_areas().size() + 1, end);
+  while (begun < component_begins_.size()) component_begins_[begun++] = end;
 }
 
 SurfacePoint CapacityCurve::At(double capacity) const {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/interrupt.h"
 #include "core/density/density.h"
 #include "core/surface/surface.h"
 
@@ -14,11 +15,11 @@ namespace ccst {
 /// interval. Holds references to the surface and the density.
 class CapacityCurve {
  public:
-  /// Cost O(F log F).
-  CapacityCurve(const Surface& surface, const Density& density);
+  /// Has no points when `interrupt` was requested. Cost O(F log F).
+  CapacityCurve(const Surface& surface, const Density& density, Interrupt* interrupt);
 
   /// Capacity of the surface.
-  double length() const { return ends_.back(); }
+  double length() const { return component_begins_.back(); }
   /// Where component `c` begins; for the number of components, the length.
   double ComponentBegin(std::int32_t c) const { return component_begins_[c]; }
 

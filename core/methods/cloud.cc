@@ -13,30 +13,35 @@ void DrawCloud(const Surface& surface, const Density& density, const CapacityCur
   const CounterRandom random(seed, stream);
   const double r_max = HexagonalSpacing(surface, count);
   const double footprint = surface.area() / static_cast<double>(count);
-  std::vector<Eigen::Vector3d> positions(size);
-  std::vector<std::int32_t> faces(size);
-  std::vector<float> spacings(size);
+  // Filled by push_back, so that the system's work on fresh pages is spread over the loops.
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<std::int32_t> faces;
+  std::vector<float> spacings;
+  positions.reserve(size);
+  faces.reserve(size);
+  spacings.reserve(size);
   for (std::int64_t i = 0; i < size; ++i) {
     if (interrupt->RequestedAt(i)) return;
     const SurfacePoint point = curve.At(random.Uniform(i) * curve.length());
-    positions[i] = point.position;
-    faces[i] = point.face;
-    spacings[i] =
-        static_cast<float>(r_max / std::sqrt(density.At(point.face, point.weights, footprint)));
+    positions.push_back(point.position);
+    faces.push_back(point.face);
+    const double rho = density.At(point.face, point.weights, footprint);
+    spacings.push_back(static_cast<float>(r_max / std::sqrt(rho)));
   }
   const std::vector<std::int32_t> order = HilbertOrder(positions, interrupt);
   if (interrupt->Requested()) return;
-  cloud->positions.resize(size);
-  cloud->faces.resize(size);
-  cloud->capacities.resize(size);
-  cloud->spacings.resize(size);
+  cloud->positions.reserve(size);
+  cloud->faces.reserve(size);
+  cloud->capacities.reserve(size);
+  cloud->spacings.reserve(size);
   cloud->draws.resize(size);
   for (std::int64_t k = 0; k < size; ++k) {
+    if (interrupt->RequestedAt(k)) return;
     const std::int32_t i = order[k];
-    cloud->positions[k] = positions[i];
-    cloud->faces[k] = faces[i];
-    cloud->capacities[k] = random.Uniform(i) * curve.length();
-    cloud->spacings[k] = spacings[i];
+    cloud->positions.push_back(positions[i]);
+    cloud->faces.push_back(faces[i]);
+    cloud->capacities.push_back(random.Uniform(i) * curve.length());
+    cloud->spacings.push_back(spacings[i]);
     cloud->draws[i] = static_cast<std::int32_t>(k);
   }
   cloud->tree.Build(cloud->positions);

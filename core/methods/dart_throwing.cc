@@ -49,7 +49,7 @@ std::vector<std::int32_t> Throw(const Cloud& cloud, const Sides& sides, double r
 absl::StatusOr<DartSamples> ThrowDarts(const Surface& surface, const Density& density,
                                        std::int64_t count, std::uint64_t seed,
                                        const MethodControl& control) {
-  const CapacityCurve curve(surface, density);
+  const CapacityCurve curve(surface, density, control.interrupt);
   const Sides sides(surface);
   const std::int64_t size =
       std::clamp(kDartsPerSample * count, kMinDarts, std::max(kMaxDarts, 4 * count));

@@ -149,7 +149,7 @@ absl::StatusOr<std::vector<SurfacePoint>> EliminateSamples(const Surface& surfac
                                                            const Density& density,
                                                            std::int64_t count, std::uint64_t seed,
                                                            const MethodControl& control) {
-  const CapacityCurve curve(surface, density);
+  const CapacityCurve curve(surface, density, control.interrupt);
   const Sides sides(surface);
   Cloud cloud;
   DrawCloud(surface, density, curve, kPointsPerSample * count, count, seed, kStream,

@@ -187,7 +187,7 @@ absl::StatusOr<RelaxedSamples> RelaxLloyd(const Surface& surface, const Density&
                                           std::int64_t count, std::uint64_t seed,
                                           const LloydOptions& options,
                                           const MethodControl& control) {
-  const CapacityCurve curve(surface, density);
+  const CapacityCurve curve(surface, density, control.interrupt);
   const double r_max = HexagonalSpacing(surface, count);
   const double footprint = surface.area() / static_cast<double>(count);
   std::vector<SurfacePoint> start;

@@ -94,15 +94,14 @@ struct LloydOptions {
 };
 
 /// Lloyd's relaxation towards a centroidal Voronoi tessellation of the surface: each point moves to
-/// the centroid of its region and back onto the surface. Regions are made of equal parts of the
-/// surface (64 a sample; fewer beyond 62,500 samples) that go to the nearest point on their side,
-/// weighed by rho^2, which makes the density of the points rho. Starts with one random point in
-/// each of n regions of equal capacity, a component's share by largest remainder. Energy:
-/// sum over the parts of capacity * rho * squared distance; it does not rise as long as regions
-/// stay on one side.
-/// Interrupted after the start, it returns the points as they are.
-/// Cost O(n) a step; memory about 2 kB a sample, 500 B for a million.
-/// Source: Lloyd 1982; Du, Faber, Gunzburger, "Centroidal Voronoi tessellations", SIAM Review
+/// the centroid of its region and back onto the surface. The regions, of the places that are
+/// nearest to it of all points on their side, are integrated exactly, weighed by rho^2 (linear over
+/// pieces of about a spacing), which makes the density of the points rho. Starts with one random
+/// point in each of n regions of equal capacity, a component's share by largest remainder;
+/// components without a share are left out. Energy: integral of rho^2 times the squared distance to
+/// the point; it does not rise as long as regions stay on one side. Interrupted after the start, it
+/// returns the points as they are. Cost O(F + n) a step; memory some 500 bytes a sample and 60 a
+/// face. Source: Lloyd 1982; Du, Faber, Gunzburger, "Centroidal Voronoi tessellations", SIAM Review
 /// 41(4), 1999, on the density of the generators and on surfaces.
 absl::StatusOr<RelaxedSamples> RelaxLloyd(const Surface& surface, const Density& density,
                                           std::int64_t count, std::uint64_t seed,

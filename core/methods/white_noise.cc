@@ -13,14 +13,15 @@ absl::StatusOr<std::vector<SurfacePoint>> DrawWhiteNoise(const Surface& surface,
                                                          const Density& density, std::int64_t count,
                                                          std::uint64_t seed,
                                                          const MethodControl& control) {
-  const CapacityCurve curve(surface, density);
+  const CapacityCurve curve(surface, density, control.interrupt);
   const CounterRandom random(seed, kStream);
-  std::vector<SurfacePoint> points(count);
+  std::vector<SurfacePoint> points;
+  points.reserve(count);
   for (std::int64_t i = 0; i < count; ++i) {
     if (control.interrupt->RequestedAt(i)) {
       return absl::CancelledError("stopped while white noise was drawn");
     }
-    points[i] = curve.At(random.Uniform(i) * curve.length());
+    points.push_back(curve.At(random.Uniform(i) * curve.length()));
   }
   return points;
 }

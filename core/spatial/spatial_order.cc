@@ -27,11 +27,12 @@ std::uint64_t KeyOf(const Eigen::Vector3d& position) {
 std::vector<std::int32_t> HilbertOrder(const std::vector<Eigen::Vector3d>& positions,
                                        Interrupt* interrupt) {
   const std::size_t n = positions.size();
-  std::vector<std::uint64_t> keys(n);
+  std::vector<std::uint64_t> keys;
+  keys.reserve(n);
   std::vector<std::size_t> ends((std::size_t{1} << kLeadingBits) + 1, 0);
   for (std::size_t i = 0; i < n; ++i) {
     if (interrupt->RequestedAt(static_cast<std::int64_t>(i))) return {};
-    keys[i] = KeyOf(positions[i]);
+    keys.push_back(KeyOf(positions[i]));
     ++ends[(keys[i] >> (48 - kLeadingBits)) + 1];
   }
   for (std::size_t b = 1; b < ends.size(); ++b) ends[b] += ends[b - 1];

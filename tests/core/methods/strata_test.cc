@@ -33,8 +33,8 @@ TEST(ShareOut, SumsToTheCountForAwkwardSizes) {
 TEST(ForEachStratum, EveryFaceGetsItsCapacityToOnePoint) {
   const Surface torus = SurfaceOf(shapes::Torus(1.0, 0.4, 16, 8));
   const Density density = DensityOf(torus, [](const auto& p) { return 2.0 + p.x() + p.z(); });
-  const CapacityCurve curve(torus, density);
   Interrupt never;
+  const CapacityCurve curve(torus, density, &never);
   constexpr std::int64_t kCount = 4000;
   std::vector<double> found(torus.face_count(), 0.0);
   std::int64_t visited = 0;
@@ -55,7 +55,8 @@ TEST(CapacityCurve, ComponentsAreIntervals) {
                                            shapes::Icosphere(2, 0.5)};
   const Surface surface = SurfaceOf(shapes::DisjointUnion(parts));
   const Density density = Density::Uniform(surface);
-  const CapacityCurve curve(surface, density);
+  Interrupt never;
+  const CapacityCurve curve(surface, density, &never);
   EXPECT_NEAR(curve.length(), surface.area(), 1e-12);
   for (int c = 0; c < 3; ++c) {
     const double begin = curve.ComponentBegin(c);
