@@ -11,11 +11,17 @@
 namespace ccst {
 namespace {
 
-/// A face is cut up until its parts cover at most this many pixels, but at most this often.
+/// A face is cut up until its parts cover at most this many pixels, but at most this often, and
+/// with at most this many parts altogether, shared out by area.
 constexpr double kPartPixels = 2.0;
 constexpr int kDeepest = 8;
-/// The same for the parts of a face among which a point is placed, over and over.
-constexpr int kPointDepth = 3;
+constexpr double kMostMeans = 1 << 24;
+
+const std::array<Eigen::Vector3d, 3> kWholeFace = {
+    Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()};
+
+/// Where the parts of a level >= 1 start in a tree that has them level by level.
+std::size_t LevelStart(int level) { return ((std::size_t{1} << (2 * level)) - 4) / 3; }
 
 /// The four congruent parts of a triangle, in the order of a curve that enters at the first corner.
 /// Source: Basu and Owen, "Low discrepancy constructions in the triangle", SINUM 53(2), 2015.
@@ -185,25 +191,51 @@ double Density::Value(std::int32_t face, const Eigen::Vector3d& weights, double 
   return std::max(value, floor_);
 }
 
-double Density::Mean(std::int32_t face, const std::array<Eigen::Vector3d, 3>& part, double share,
-                     int depth) const {
-  const double area = share * face_areas_[face];
-  if (pyramid_.empty() || depth == 0 || area * pixels_per_area_[face] <= kPartPixels) {
-    return Value(face, Center(part), area);
+double Density::BuildTree(std::int32_t face, const std::array<Eigen::Vector3d, 3>& part, int level,
+                          std::size_t index) {
+  const double share = std::pow(0.25, level);
+  double mean = 0.0;
+  if (level == depths_[face]) {
+    mean = Value(face, Center(part), share * face_areas_[face]);
+  } else {
+    const auto quarters = Quarter(part);
+    for (std::size_t k = 0; k < 4; ++k) {
+      mean += 0.25 * BuildTree(face, quarters[k], level + 1, 4 * index + k);
+    }
   }
-  double sum = 0.0;
-  for (const auto& quarter : Quarter(part)) sum += Mean(face, quarter, 0.25 * share, depth - 1);
-  return 0.25 * sum;
+  if (level > 0) means_[tree_starts_[face] + LevelStart(level) + index] = static_cast<float>(mean);
+  return mean;
+}
+
+void Density::PlanTrees(const Surface& surface) {
+  depths_.resize(face_areas_.size());
+  tree_starts_.resize(face_areas_.size());
+  std::size_t nodes = 0;
+  for (std::size_t f = 0; f < face_areas_.size(); ++f) {
+    const double pixels = face_areas_[f] * pixels_per_area_[f];
+    const double allowed = kMostMeans * face_areas_[f] / surface.area();
+    int depth = 0;
+    while (depth < kDeepest && pixels > kPartPixels * std::pow(4.0, depth) &&
+           std::pow(4.0, depth + 1) < allowed) {
+      ++depth;
+    }
+    depths_[f] = static_cast<std::int8_t>(depth);
+    tree_starts_[f] = nodes;
+    nodes += LevelStart(depth + 1);
+  }
+  means_.resize(nodes);
 }
 
 void Density::Normalise(const Surface& surface) {
   face_areas_ = surface.face_areas();
-  const std::array<Eigen::Vector3d, 3> whole = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
-                                                Eigen::Vector3d::UnitZ()};
+  if (!pyramid_.empty()) PlanTrees(surface);
   face_capacities_.resize(face_areas_.size());
   double total = 0.0;
   for (std::size_t f = 0; f < face_areas_.size(); ++f) {
-    face_capacities_[f] = face_areas_[f] * Mean(static_cast<std::int32_t>(f), whole, 1.0, kDeepest);
+    const auto face = static_cast<std::int32_t>(f);
+    const double mean =
+        pyramid_.empty() ? Value(face, Center(kWholeFace), 0.0) : BuildTree(face, kWholeFace, 0, 0);
+    face_capacities_[f] = face_areas_[f] * mean;
     total += face_capacities_[f];
   }
   scale_ = surface.area() / total;
@@ -215,14 +247,15 @@ void Density::Normalise(const Surface& surface) {
 }
 
 Eigen::Vector3d Density::PointAt(std::int32_t face, double t) const {
-  std::array<Eigen::Vector3d, 3> part = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
-                                         Eigen::Vector3d::UnitZ()};
+  std::array<Eigen::Vector3d, 3> part = kWholeFace;
   constexpr int kLevels = 26;  // As many as t has digits.
-  double share = 1.0;
-  for (int level = 0; level < kLevels; ++level, share *= 0.25) {
+  // Smaller parts count as uniform.
+  const int depth = uniform() ? 0 : pyramid_.empty() ? kDeepest : depths_[face];
+  std::size_t index = 0;
+  for (int level = 1; level <= kLevels; ++level) {
     const auto quarters = Quarter(part);
     int digit;
-    if (uniform() || level >= kDeepest) {  // So small a part counts as uniform.
+    if (level > depth) {
       t *= 4.0;
       digit = std::min(3, static_cast<int>(t));
       t -= digit;
@@ -230,12 +263,15 @@ Eigen::Vector3d Density::PointAt(std::int32_t face, double t) const {
       std::array<double, 4> mean;
       double sum = 0.0;
       for (int k = 0; k < 4; ++k) {
-        sum += mean[k] = Mean(face, quarters[k], 0.25 * share, kPointDepth);
+        mean[k] = pyramid_.empty() ? Value(face, Center(quarters[k]), 0.0)
+                                   : means_[tree_starts_[face] + LevelStart(level) + 4 * index + k];
+        sum += mean[k];
       }
       t *= sum;
       digit = 0;
       while (digit < 3 && t >= mean[digit]) t -= mean[digit++];
       t = std::min(t / mean[digit], 1.0 - 0x1.0p-53);
+      index = 4 * index + digit;
     }
     part = quarters[digit];
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -53,10 +54,11 @@ class Density {
  private:
   Density() = default;
   double Value(std::int32_t face, const Eigen::Vector3d& weights, double area) const;
-  /// Mean over the part of a face with the given corners (barycentric) and share of its area, which
-  /// is cut up at most `depth` times.
-  double Mean(std::int32_t face, const std::array<Eigen::Vector3d, 3>& part, double share,
-              int depth) const;
+  /// Integrals over the faces and their parts.
+  /// @param part  corners (barycentric) of part `index` of `level`. @return the mean over it.
+  double BuildTree(std::int32_t face, const std::array<Eigen::Vector3d, 3>& part, int level,
+                   std::size_t index);
+  void PlanTrees(const Surface& surface);
   void Normalise(const Surface& surface);
 
   double scale_ = 1.0;
