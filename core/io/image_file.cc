@@ -17,6 +17,11 @@
 namespace ccst {
 namespace {
 
+absl::Status NoMemory() {
+  return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kOutOfMemory,
+                   "not enough memory to decode the image");
+}
+
 absl::Status Unreadable(const std::string& message) {
   return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kImageUnreadable, message);
 }
@@ -48,7 +53,7 @@ float Grey(double red, double green, double blue, double alpha) {
 
 absl::StatusOr<Image> DecodePng(std::span<const char> bytes, const ImageLimits& limits) {
   const std::unique_ptr<spng_ctx, void (*)(spng_ctx*)> context(spng_ctx_new(0), &spng_ctx_free);
-  if (context == nullptr) throw std::bad_alloc();
+  if (context == nullptr) return NoMemory();
   const auto broken = [](int error) {
     return Unreadable(absl::StrCat("the PNG is damaged: ", spng_strerror(error)));
   };
@@ -83,7 +88,7 @@ absl::StatusOr<Image> DecodePng(std::span<const char> bytes, const ImageLimits& 
 
 absl::StatusOr<Image> DecodeJpeg(std::span<const char> bytes, const ImageLimits& limits) {
   const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), &tjDestroy);
-  if (decoder == nullptr) throw std::bad_alloc();
+  if (decoder == nullptr) return NoMemory();
   const auto broken = [&decoder] {
     return Unreadable(absl::StrCat("the JPEG cannot be read: ", tjGetErrorStr2(decoder.get())));
   };
@@ -131,8 +136,7 @@ absl::StatusOr<Image> DecodeImage(std::span<const char> bytes, const ImageLimits
     if (text.starts_with(kPng)) return DecodePng(bytes, limits);
     if (text.starts_with(kJpeg)) return DecodeJpeg(bytes, limits);
   } catch (const std::bad_alloc&) {
-    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kOutOfMemory,
-                     "not enough memory to decode the image");
+    return NoMemory();
   }
   return Unreadable("the image is neither a PNG nor a JPEG");
 }
