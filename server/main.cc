@@ -49,6 +49,8 @@ void AddFlags(CLI::App& app, ServerOptions& options) {
       ->default_str("text");
   AddFlag(app, "max-inline-mesh-bytes", options.request_limits.max_inline_mesh_bytes,
           "Bytes of an encoded mesh in a request");
+  AddFlag(app, "max-texture-bytes", options.request_limits.max_texture_bytes,
+          "Bytes of an encoded image in a request");
   AddFlag(app, "max-sample-count", options.request_limits.max_sample_count, "Samples of a job");
   AddFlag(app, "max-vertex-count", options.mesh_limits.max_vertices, "Vertices of a mesh");
   AddFlag(app, "max-face-count", options.mesh_limits.max_faces, "Triangles of a mesh");

@@ -20,6 +20,14 @@ constexpr char kDefaultServer[] = "localhost:50051";
 // Names as on the command line; the first is the default.
 const std::vector<std::pair<std::string, Energy>> kEnergies = {
     {"target", Energy::kTarget}, {"squared-area", Energy::kSquaredArea}};
+const std::vector<std::pair<std::string, SamplingMethod>> kMethods = {
+    {"ccst", SamplingMethod::kCcst},           {"white", SamplingMethod::kWhiteNoise},
+    {"poisson", SamplingMethod::kPoissonDisk}, {"elimination", SamplingMethod::kSampleElimination},
+    {"lloyd", SamplingMethod::kLloyd},         {"ccvt", SamplingMethod::kCcvt}};
+const std::vector<std::pair<std::string, CurvatureMeasure>> kCurvatures = {
+    {"gaussian", CurvatureMeasure::kGaussian},
+    {"mean", CurvatureMeasure::kMean},
+    {"maximum", CurvatureMeasure::kMaximum}};
 const std::vector<std::pair<std::string, ProgressStyle>> kProgressStyles = {
     {"auto", ProgressStyle::kAuto},
     {"bar", ProgressStyle::kBar},
@@ -48,6 +56,30 @@ void AddChoice(CLI::App& app, const std::string& flag,
       ->default_str(names.front().first);
 }
 
+// uniform, curvature, attribute:NAME or texture:IMAGE. Throws CLI::ValidationError.
+void ParseDensity(const std::string& text, SampleCommand& command) {
+  const std::size_t colon = text.find(':');
+  const std::string source = text.substr(0, colon);
+  const std::string rest = colon == std::string::npos ? "" : text.substr(colon + 1);
+  DensityOptions& density = command.options.density;
+  command.texture_path.clear();
+  if (text == "uniform") {
+    density.source = DensitySource::kUniform;
+  } else if (text == "curvature") {
+    density.source = DensitySource::kCurvature;
+  } else if (source == "attribute" && !rest.empty()) {
+    density.source = DensitySource::kAttribute;
+    density.attribute = rest;
+  } else if (source == "texture" && !rest.empty()) {
+    density.source = DensitySource::kTexture;
+    command.texture_path = rest;
+  } else {
+    throw CLI::ValidationError("--density", "'" + text +
+                                                "' is none of uniform, curvature, attribute:NAME, "
+                                                "texture:IMAGE");
+  }
+}
+
 // Flags as given, before they are made one command.
 struct Flags {
   SampleCommand sample;
@@ -55,6 +87,7 @@ struct Flags {
   std::string server;
   bool local = false;
   std::optional<int> threads;
+  std::optional<int> max_iterations;
 };
 
 void AddServer(CLI::App& app, Flags& flags) {
@@ -91,11 +124,31 @@ CLI::App* AddSample(CLI::App& app, Flags& flags) {
           },
           "")
       ->capture_default_str();
+  AddChoice(*sub, "--method", kMethods, c.options.method,
+            "ccst, or one to compare with: white, poisson, elimination, lloyd, ccvt");
+  sub->add_option_function<std::string>(
+         "--density", [&c](const std::string& text) { ParseDensity(text, c); },
+         "Where more samples belong: uniform, curvature, attribute:NAME of the mesh, or "
+         "texture:IMAGE (.png .jpg), dark places dense")
+      ->type_name("SOURCE")
+      ->default_str("uniform");
+  AddChoice(*sub, "--curvature", kCurvatures, c.options.density.measure,
+            "What a curvature density follows: gaussian, mean or maximum");
+  sub->add_option("--density-exponent", c.options.density.exponent,
+                  "Power of the source that the density is, 0 to 4")
+      ->type_name("E")
+      ->capture_default_str();
+  sub->add_option("--density-contrast", c.options.density.max_contrast,
+                  "Largest density over smallest; smaller ones are raised")
+      ->type_name("C")
+      ->capture_default_str();
+  sub->add_flag("--bright-is-dense", c.options.density.bright_is_dense,
+                "Bright places of the image get more samples, not dark ones");
   AddChoice(*sub, "--energy", kEnergies, c.options.energy,
             "What is minimised: target, or squared-area as printed in the paper");
-  sub->add_option("--max-iterations", c.options.max_iterations, "Most alternations")
-      ->type_name("K")
-      ->capture_default_str();
+  sub->add_option("--max-iterations", flags.max_iterations,
+                  "Most alternations; by default 130, of lloyd 100, of ccvt 1000")
+      ->type_name("K");
   sub->add_option("--tolerance", c.options.relative_tolerance,
                   "Stop when the capacities' variation improves by less than this share")
       ->type_name("T")
@@ -103,6 +156,10 @@ CLI::App* AddSample(CLI::App& app, Flags& flags) {
   sub->add_option("--time-limit", c.options.time_limit_seconds,
                   "Seconds after which the run returns what it has")
       ->type_name("SECONDS");
+  sub->add_option("--weld-tolerance", c.options.weld_tolerance,
+                  "Join vertices at most this far apart first, in units of the mesh")
+      ->type_name("LENGTH")
+      ->capture_default_str();
   AddServer(*sub, flags);
   sub->add_flag("--local", flags.local, "Compute in this process; gives the same samples");
   sub->add_option("--threads", flags.threads, "Threads of a local run; by default all cores")
@@ -132,6 +189,9 @@ void CheckSample(const Flags& flags) {
   if (flags.threads.has_value() && !flags.local) {
     throw CLI::ValidationError("--threads needs --local; a server chooses its own");
   }
+  if (flags.sample.options.method != SamplingMethod::kCcst && !flags.sample.mesh_path.empty()) {
+    throw CLI::ValidationError("--mesh-output needs --method ccst; the others make no mesh");
+  }
   if (const absl::Status status = CheckOutputs(flags.sample); !status.ok()) {
     throw CLI::ValidationError(std::string(status.message()));
   }
@@ -144,6 +204,13 @@ std::string ServerAddress(const Flags& flags, const char* environment_server) {
 }
 
 }  // namespace
+
+std::string MethodName(SamplingMethod method) {
+  for (const auto& [name, meaning] : kMethods) {
+    if (meaning == method) return name;
+  }
+  return "unknown";
+}
 
 Command ParseCommandLine(int argc, const char* const* argv, const char* environment_server) {
   Flags flags;
@@ -167,6 +234,8 @@ Command ParseCommandLine(int argc, const char* const* argv, const char* environm
     flags.info.server = server;
     return flags.info;
   }
+  flags.sample.options.max_iterations =
+      flags.max_iterations.value_or(DefaultMaxIterations(flags.sample.options.method));
   if (flags.local) {
     flags.sample.options.thread_count =
         flags.threads.value_or(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));

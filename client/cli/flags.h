@@ -21,6 +21,7 @@ enum class ProgressStyle {
 struct SampleCommand {
   std::string mesh;
   SamplingOptions options;
+  std::string texture_path;  ///< Image of a texture density.
   std::string samples_path;
   std::string mesh_path;
   std::string picture_path;
@@ -43,6 +44,9 @@ struct Done {
 };
 
 using Command = std::variant<Done, SampleCommand, InfoCommand>;
+
+/// What `--method` calls it.
+std::string MethodName(SamplingMethod method);
 
 /// Parses a command line; `environment_server` is the value of CCST_SERVER, null without one.
 Command ParseCommandLine(int argc, const char* const* argv, const char* environment_server);

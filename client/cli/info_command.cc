@@ -20,6 +20,7 @@ std::string InfoJson(const std::string& server, const v1::GetServerInfoResponse&
   json["revision"] = info.source_revision();
   json["algorithm_revision"] = info.algorithm_revision();
   json["limits"] = {{"max_inline_mesh_bytes", limits.max_inline_mesh_bytes()},
+                    {"max_texture_bytes", limits.max_texture_bytes()},
                     {"max_vertex_count", limits.max_vertex_count()},
                     {"max_face_count", limits.max_face_count()},
                     {"max_sample_count", limits.max_sample_count()},

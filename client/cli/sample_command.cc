@@ -1,4 +1,6 @@
+#include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -13,6 +15,8 @@
 #include "client/cli/summary.h"
 #include "client/lib/client.h"
 #include "core/base/status.h"
+#include "core/io/image_file.h"
+#include "core/io/whole_file.h"
 
 namespace ccst::cli {
 namespace {
@@ -39,6 +43,18 @@ absl::StatusOr<SampleOutcome> SampleRemotely(MeshInput& input, const SampleComma
   return Client::Connect(command.server).Sample(job, callbacks, std::move(stop));
 }
 
+constexpr std::int64_t kMaxTextureBytes = std::int64_t{256} << 20;
+
+// The image both as it travels and decoded, so that one that is no image is refused here.
+absl::Status ReadTexture(SampleCommand& command) {
+  CCST_ASSIGN_OR_RETURN(std::string bytes,
+                        io::ReadWholeFile(command.texture_path, kMaxTextureBytes));
+  CCST_ASSIGN_OR_RETURN(Image image, DecodeImage(bytes));
+  command.options.density.image = std::make_shared<const Image>(std::move(image));
+  command.options.density.encoded_image = std::make_shared<const std::string>(std::move(bytes));
+  return absl::OkStatus();
+}
+
 // Faces of the result are triangles of the mesh that was sampled; users know those of their file.
 void NameOwnFaces(const MeshFile& file, SampleSet& samples) {
   if (file.face_source.empty()) return;
@@ -52,9 +68,15 @@ bool HasOutput(const SampleCommand& command) {
 
 }  // namespace
 
-ExitCode RunSample(const SampleCommand& command) {
+ExitCode RunSample(const SampleCommand& given) {
   Interrupt interrupt;
-  ProgressPrinter printer(command.progress, stderr);
+  ProgressPrinter printer(given.progress, stderr);
+  SampleCommand command = given;
+  if (!command.texture_path.empty()) {
+    if (const absl::Status status = ReadTexture(command); !status.ok()) {
+      return Fail(printer, status, command.server);
+    }
+  }
   if (const absl::Status status = command.options.Validate(); !status.ok()) {
     return Fail(printer, status, command.server);
   }

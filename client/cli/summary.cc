@@ -46,10 +46,41 @@ Json SurfaceJson(const SurfaceSummary& surface) {
   json["components"] = surface.components;
   json["boundary_loops"] = surface.boundary_loops;
   json["euler"] = surface.euler;
-  json["repairs"] = {{"welded_vertices", surface.welded_vertices},
-                     {"isolated_vertices", surface.isolated_vertices},
+  json["untriangulated_components"] = surface.untriangulated_components;
+  json["untriangulated_samples"] = surface.untriangulated_samples;
+  const RepairReport& repairs = surface.repairs;
+  json["repairs"] = {{"welded_vertices", repairs.welded_vertices},
+                     {"isolated_vertices", repairs.isolated_vertices},
+                     {"repeated_index_faces", repairs.repeated_index_faces},
+                     {"duplicate_faces", repairs.duplicate_faces},
+                     {"degenerate_faces", repairs.degenerate_faces},
+                     {"split_faces", repairs.split_faces},
+                     {"cut_edges", repairs.cut_edges},
+                     {"non_orientable_cuts", repairs.non_orientable_cuts},
+                     {"cut_vertices", repairs.cut_vertices},
+                     {"flipped_faces", repairs.flipped_faces},
                      {"closed_loops", surface.closed_loops}};
   return json;
+}
+
+// Ends in a line break; empty where nothing was repaired.
+std::string RepairsText(const RepairReport& repairs) {
+  std::string text;
+  const auto add = [&text](std::int64_t count, const char* what) {
+    if (count == 0) return;
+    absl::StrAppendFormat(&text, "%s%d %s", text.empty() ? "repaired: " : ", ", count, what);
+  };
+  add(repairs.welded_vertices, "vertices welded");
+  add(repairs.isolated_vertices, "vertices without a face dropped");
+  add(repairs.repeated_index_faces, "faces with a repeated vertex dropped");
+  add(repairs.duplicate_faces, "duplicate faces dropped");
+  add(repairs.degenerate_faces, "faces without area dropped or replaced");
+  add(repairs.split_faces, "faces split");
+  add(repairs.cut_edges, "edges of three or more faces cut");
+  add(repairs.non_orientable_cuts, "edges cut to make the surface orientable");
+  add(repairs.cut_vertices, "vertices split");
+  add(repairs.flipped_faces, "faces turned over");
+  return text.empty() ? text : text + "\n";
 }
 
 Json TextOrNull(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
@@ -61,7 +92,7 @@ std::string SummaryJson(const SampleCommand& command, const SampleOutcome& outco
   Json json;
   json["count"] = result.samples.positions.size();
   json["seed"] = command.options.seed;
-  json["method"] = "ccst";
+  json["method"] = MethodName(command.options.method);
   json["converged"] = result.termination == Termination::kConverged;
   json["termination"] = TerminationName(result.termination);
   json["alternations"] = result.alternations;
@@ -84,12 +115,22 @@ std::string SummaryJson(const SampleCommand& command, const SampleOutcome& outco
 std::string SummaryText(const SampleCommand& command, const SampleOutcome& outcome) {
   const SamplingResult& result = outcome.result;
   const std::string where = command.server.empty() ? "in this process" : "by " + command.server;
-  return absl::StrFormat(
+  std::string text = RepairsText(result.surface.repairs);
+  if (result.surface.untriangulated_components > 0) {
+    absl::StrAppendFormat(&text,
+                          "%d of %d components are too small for a triangulation; their %d "
+                          "samples are spread by capacity\n",
+                          result.surface.untriangulated_components, result.surface.components,
+                          result.surface.untriangulated_samples);
+  }
+  absl::StrAppendFormat(
+      &text,
       "%d samples on %d faces, %d triangles, computed %s in %.2f s\n"
       "%s after %d alternations: capacity variation %.2f %%, relative radius %.3f\n",
       result.samples.positions.size(), result.surface.faces, result.samples.triangles.size(), where,
       outcome.record.total_seconds, TerminationText(result.termination), result.alternations,
       100.0 * result.capacity_cv, result.relative_radius);
+  return text;
 }
 
 }  // namespace ccst::cli

@@ -11,9 +11,11 @@
 namespace ccst {
 namespace {
 
-/// A part of a face is cut further until it covers about this many pixels, or this deep.
+/// A face is cut up until its parts cover at most this many pixels, but at most this often.
 constexpr double kPartPixels = 2.0;
 constexpr int kDeepest = 8;
+/// The same for the parts of a face among which a point is placed, over and over.
+constexpr int kPointDepth = 3;
 
 /// The four congruent parts of a triangle, in the order of a curve that enters at the first corner.
 /// Source: Basu and Owen, "Low discrepancy constructions in the triangle", SINUM 53(2), 2015.
@@ -170,7 +172,9 @@ double Density::Value(std::int32_t face, const Eigen::Vector3d& weights, double 
   const double v = weights[0] * coordinates_[3 * face][1] +
                    weights[1] * coordinates_[3 * face + 1][1] +
                    weights[2] * coordinates_[3 * face + 2][1];
-  const double pixels = area * pixels_per_area_[face];
+  // Pixels of the level looked up are twice as wide as the footprint: patterns near its own size
+  // would alias.
+  const double pixels = 4.0 * area * pixels_per_area_[face];
   const double level = std::min(pixels > 1.0 ? 0.5 * std::log2(pixels) : 0.0,
                                 static_cast<double>(pyramid_.size() - 1));
   const auto low = static_cast<std::size_t>(level);
@@ -181,15 +185,14 @@ double Density::Value(std::int32_t face, const Eigen::Vector3d& weights, double 
   return std::max(value, floor_);
 }
 
-double Density::Mean(std::int32_t face, const std::array<Eigen::Vector3d, 3>& part,
-                     double share) const {
-  if (pyramid_.empty()) return Value(face, Center(part), 0.0);
+double Density::Mean(std::int32_t face, const std::array<Eigen::Vector3d, 3>& part, double share,
+                     int depth) const {
   const double area = share * face_areas_[face];
-  if (area * pixels_per_area_[face] <= kPartPixels || share < std::pow(0.25, kDeepest - 0.5)) {
+  if (pyramid_.empty() || depth == 0 || area * pixels_per_area_[face] <= kPartPixels) {
     return Value(face, Center(part), area);
   }
   double sum = 0.0;
-  for (const auto& quarter : Quarter(part)) sum += Mean(face, quarter, 0.25 * share);
+  for (const auto& quarter : Quarter(part)) sum += Mean(face, quarter, 0.25 * share, depth - 1);
   return 0.25 * sum;
 }
 
@@ -200,7 +203,7 @@ void Density::Normalise(const Surface& surface) {
   face_capacities_.resize(face_areas_.size());
   double total = 0.0;
   for (std::size_t f = 0; f < face_areas_.size(); ++f) {
-    face_capacities_[f] = face_areas_[f] * Mean(static_cast<std::int32_t>(f), whole, 1.0);
+    face_capacities_[f] = face_areas_[f] * Mean(static_cast<std::int32_t>(f), whole, 1.0, kDeepest);
     total += face_capacities_[f];
   }
   scale_ = surface.area() / total;
@@ -214,20 +217,21 @@ void Density::Normalise(const Surface& surface) {
 Eigen::Vector3d Density::PointAt(std::int32_t face, double t) const {
   std::array<Eigen::Vector3d, 3> part = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
                                          Eigen::Vector3d::UnitZ()};
-  // Below this share the density counts as constant and the last digits of t are uniform.
-  constexpr int kLevels = 26;
+  constexpr int kLevels = 26;  // As many as t has digits.
   double share = 1.0;
   for (int level = 0; level < kLevels; ++level, share *= 0.25) {
     const auto quarters = Quarter(part);
     int digit;
-    if (uniform() || level >= kDeepest) {
+    if (uniform() || level >= kDeepest) {  // So small a part counts as uniform.
       t *= 4.0;
       digit = std::min(3, static_cast<int>(t));
       t -= digit;
     } else {
       std::array<double, 4> mean;
       double sum = 0.0;
-      for (int k = 0; k < 4; ++k) sum += mean[k] = Mean(face, quarters[k], 0.25 * share);
+      for (int k = 0; k < 4; ++k) {
+        sum += mean[k] = Mean(face, quarters[k], 0.25 * share, kPointDepth);
+      }
       t *= sum;
       digit = 0;
       while (digit < 3 && t >= mean[digit]) t -= mean[digit++];

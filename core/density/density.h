@@ -53,9 +53,10 @@ class Density {
  private:
   Density() = default;
   double Value(std::int32_t face, const Eigen::Vector3d& weights, double area) const;
-  /// Integral over the part of a face with the given corners (barycentric) and share of its area,
-  /// over the face's area, cut further while it covers many pixels.
-  double Mean(std::int32_t face, const std::array<Eigen::Vector3d, 3>& part, double share) const;
+  /// Mean over the part of a face with the given corners (barycentric) and share of its area, which
+  /// is cut up at most `depth` times.
+  double Mean(std::int32_t face, const std::array<Eigen::Vector3d, 3>& part, double share,
+              int depth) const;
   void Normalise(const Surface& surface);
 
   double scale_ = 1.0;

@@ -17,11 +17,6 @@
 namespace ccst {
 namespace {
 
-absl::Status NoMemory() {
-  return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kOutOfMemory,
-                   "not enough memory to decode the image");
-}
-
 absl::Status Unreadable(const std::string& message) {
   return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kImageUnreadable, message);
 }
@@ -51,9 +46,14 @@ float Grey(double red, double green, double blue, double alpha) {
   return static_cast<float>(alpha * luma + (1.0 - alpha));
 }
 
+absl::Status OutOfMemory() {
+  return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kOutOfMemory,
+                   "there is no memory to decode the image");
+}
+
 absl::StatusOr<Image> DecodePng(std::span<const char> bytes, const ImageLimits& limits) {
   const std::unique_ptr<spng_ctx, void (*)(spng_ctx*)> context(spng_ctx_new(0), &spng_ctx_free);
-  if (context == nullptr) return NoMemory();
+  if (context == nullptr) return OutOfMemory();
   const auto broken = [](int error) {
     return Unreadable(absl::StrCat("the PNG is damaged: ", spng_strerror(error)));
   };
@@ -88,7 +88,7 @@ absl::StatusOr<Image> DecodePng(std::span<const char> bytes, const ImageLimits& 
 
 absl::StatusOr<Image> DecodeJpeg(std::span<const char> bytes, const ImageLimits& limits) {
   const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), &tjDestroy);
-  if (decoder == nullptr) return NoMemory();
+  if (decoder == nullptr) return OutOfMemory();
   const auto broken = [&decoder] {
     return Unreadable(absl::StrCat("the JPEG cannot be read: ", tjGetErrorStr2(decoder.get())));
   };
@@ -136,7 +136,7 @@ absl::StatusOr<Image> DecodeImage(std::span<const char> bytes, const ImageLimits
     if (text.starts_with(kPng)) return DecodePng(bytes, limits);
     if (text.starts_with(kJpeg)) return DecodeJpeg(bytes, limits);
   } catch (const std::bad_alloc&) {
-    return NoMemory();
+    return OutOfMemory();
   }
   return Unreadable("the image is neither a PNG nor a JPEG");
 }

@@ -10,7 +10,7 @@ namespace ccst {
 
 /// What DecodeImage() accepts, checked against the announced size before memory is taken.
 struct ImageLimits {
-  std::int64_t max_pixels = std::int64_t{1} << 26;  ///< 8192 x 8192.
+  std::int64_t max_pixels = std::int64_t{1} << 25;  ///< 8192 x 4096.
 };
 
 /// Decodes a PNG or a JPEG, told apart by their first bytes, to grey: 0.2126 R + 0.7152 G +

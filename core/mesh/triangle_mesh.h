@@ -27,7 +27,7 @@ struct Attribute {
 
 /// A plain indexed triangle list, as read from a file or a stream. No invariant holds beyond
 /// the types: indices may be out of range and coordinates non-finite until
-/// `Surface::Build` (core/surface) has checked them.
+/// `Repair` (core/repair) has checked them.
 struct TriangleMesh {
   /// V x 3 [mesh unit].
   std::vector<Eigen::Vector3d> positions;

@@ -26,6 +26,20 @@ struct PointCloud {
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>,
                                                  PointCloud, 3, std::int32_t>;
 
+// What decides which point is nearest.
+struct Metric {
+  std::span<const Eigen::Vector3d> normals;  // Empty: every point is on the same side.
+  std::span<const double> scales;            // Empty: 1.
+  double largest_scale = 1.0;
+
+  // Square of what distances between two points are divided by.
+  double Divisor(std::int32_t a, double scale) const {
+    if (scales.empty()) return 1.0;
+    const double mean = 0.5 * (scales[a] + scale);
+    return mean * mean;
+  }
+};
+
 // Keeps the nearest point that is not `self` and, if normals are given, on its side.
 // Equal distances go to the smaller index.
 class NearestOther {
@@ -33,16 +47,22 @@ class NearestOther {
   using DistanceType = double;
   using IndexType = std::int32_t;
 
-  NearestOther(std::int32_t self, std::span<const Eigen::Vector3d> normals, double bound)
-      : self_(self), normals_(normals), squared_(bound) {}
+  NearestOther(std::int32_t self, const Metric& metric, double bound)
+      : self_(self),
+        metric_(metric),
+        reach_(metric.Divisor(self, metric.largest_scale)),
+        squared_(bound) {}
 
   std::size_t size() const { return index_ < 0 ? 0 : 1; }
   bool full() const { return true; }
-  double worstDist() const { return squared_; }
+  double worstDist() const { return squared_ * reach_; }
   bool addPoint(double squared, std::int32_t index) {
-    if (index == self_ || squared > squared_) return true;
+    if (index == self_) return true;
+    if (!metric_.scales.empty()) squared /= metric_.Divisor(self_, metric_.scales[index]);
+    if (squared > squared_) return true;
     if (squared == squared_ && index_ >= 0 && index > index_) return true;
-    if (!normals_.empty() && !(normals_[self_].dot(normals_[index]) > 0.0)) return true;
+    const auto& normals = metric_.normals;
+    if (!normals.empty() && !(normals[self_].dot(normals[index]) > 0.0)) return true;
     squared_ = squared;
     index_ = index;
     return true;
@@ -53,8 +73,9 @@ class NearestOther {
 
  private:
   std::int32_t self_;
-  std::span<const Eigen::Vector3d> normals_;
-  double squared_;
+  const Metric& metric_;
+  double reach_;    // Square of the largest divisor there may be.
+  double squared_;  // Of the distance, divided.
   std::int32_t index_ = -1;
 };
 
@@ -97,7 +118,8 @@ double HexagonalSpacing(double area, std::int64_t count) {
 
 DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
                                  std::span<const Eigen::Vector3d> normals, double area,
-                                 const Eigen::Vector3d& periodic_box) {
+                                 const Eigen::Vector3d& periodic_box,
+                                 std::span<const double> scales) {
   DistanceFigures figures;
   if (positions.empty()) return figures;
   const auto count = static_cast<std::int32_t>(positions.size());
@@ -107,20 +129,24 @@ DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
   const PointCloud cloud{positions};
   const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(8));
   const std::vector<Eigen::Vector3d> images = Images(periodic_box);
+  Metric all{{}, scales};
+  if (!scales.empty()) all.largest_scale = *std::max_element(scales.begin(), scales.end());
+  Metric same = all;
+  same.normals = normals;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double sum = 0.0;
   double same_side_bound = kInfinity;
   for (std::int32_t i = 0; i < count; ++i) {
     const NearestOther any =
-        FindNearest(tree, positions[i], images, NearestOther(i, {}, kInfinity));
+        FindNearest(tree, positions[i], images, NearestOther(i, all, kInfinity));
     sum += std::sqrt(any.squared());
     KeepCloser(i, any, figures.closest);
     if (normals.empty()) continue;
     // Only the closest pair of all is wanted: what is known bounds every further search.
-    const NearestOther same =
-        FindNearest(tree, positions[i], images, NearestOther(i, normals, same_side_bound));
-    same_side_bound = std::min(same_side_bound, same.squared());
-    KeepCloser(i, same, figures.closest_same_side);
+    const NearestOther beside =
+        FindNearest(tree, positions[i], images, NearestOther(i, same, same_side_bound));
+    same_side_bound = std::min(same_side_bound, beside.squared());
+    KeepCloser(i, beside, figures.closest_same_side);
   }
   if (normals.empty()) figures.closest_same_side = figures.closest;
   figures.relative_radius = figures.closest.distance / figures.r_max;

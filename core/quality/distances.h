@@ -34,10 +34,14 @@ struct DistanceFigures {
 /// @param periodic_box  extents of a box whose opposite sides are glued; 0 in a direction means
 ///                      not periodic there. Extents must exceed twice r_max. With a box,
 ///                      distances are those of the torus.
+/// @param scales        n factors > 0 of the spacing wanted at each point, where that differs;
+///                      distances are then divided by the mean of the two ends' factors.
+///                      Empty: 1 everywhere.
 /// Ratios without a pair (n < 2, or none on the same side) are 0.
 /// Cost O(n log n) with a k-d tree; about 0.2 s for n = 1e5.
 DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
                                  std::span<const Eigen::Vector3d> normals, double area,
-                                 const Eigen::Vector3d& periodic_box = Eigen::Vector3d::Zero());
+                                 const Eigen::Vector3d& periodic_box = Eigen::Vector3d::Zero(),
+                                 std::span<const double> scales = {});
 
 }  // namespace ccst::quality

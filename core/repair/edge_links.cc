@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <tuple>
 #include <utility>
+
+#include "core/mesh/edges.h"
 
 namespace ccst::repair {
 namespace {
@@ -17,10 +20,12 @@ void Compact(const std::vector<std::uint8_t>& dropped, LinkedFaces* linked) {
     if (dropped[f]) continue;
     linked->faces[kept] = linked->faces[f];
     linked->source[kept] = linked->source[f];
+    linked->source_corner[kept] = linked->source_corner[f];
     ++kept;
   }
   linked->faces.resize(kept);
   linked->source.resize(kept);
+  linked->source_corner.resize(kept);
 }
 
 }  // namespace
@@ -61,11 +66,12 @@ std::int64_t DropHangingSlivers(const Geometry& geometry, LinkedFaces* linked,
                                 std::int64_t vertex_count) {
   std::vector<std::uint8_t> free_sides(linked->faces.size(), 0);
   CrowdedEdges crowded;
-  ForEachEdge(*linked, vertex_count, [&](std::span<const std::int32_t> slots) {
+  ForEachEdge(linked->faces, vertex_count, [&](std::span<const std::int32_t> slots) {
     if (slots.size() == 1) ++free_sides[slots[0] / 3];
-    if (slots.size() <= 2) return;
+    if (slots.size() <= 2) return true;
     crowded.slots.insert(crowded.slots.end(), slots.begin(), slots.end());
     crowded.start.push_back(static_cast<std::int32_t>(crowded.slots.size()));
+    return true;
   });
   std::vector<std::uint8_t> dropped(linked->faces.size(), 0);
   std::int64_t count = 0;
@@ -90,10 +96,10 @@ CrowdedEdges LinkPlainEdges(const std::vector<Eigen::Vector3i>& input_faces,
   CrowdedEdges crowded;
   // The input's own two vertices of a slot, and the slot.
   std::vector<std::array<std::int32_t, 3>> named;
-  ForEachEdge(*linked, static_cast<std::int64_t>(leaders.size()),
+  ForEachEdge(linked->faces, static_cast<std::int64_t>(leaders.size()),
               [&](std::span<const std::int32_t> slots) {
                 if (slots.size() == 2) linked->Link(slots[0], slots[1]);
-                if (slots.size() <= 2) return;
+                if (slots.size() <= 2) return true;
                 crowded.any = true;
                 named.clear();
                 for (const std::int32_t s : slots) {
@@ -122,6 +128,7 @@ CrowdedEdges LinkPlainEdges(const std::vector<Eigen::Vector3i>& input_faces,
                   std::sort(crowded.slots.begin() + begin, crowded.slots.end());
                   crowded.start.push_back(static_cast<std::int32_t>(crowded.slots.size()));
                 }
+                return true;
               });
   return crowded;
 }

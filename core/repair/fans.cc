@@ -1,7 +1,9 @@
 #include "core/repair/fans.h"
 
+#include <span>
 #include <utility>
 
+#include "core/mesh/edges.h"
 #include "core/repair/disjoint_sets.h"
 
 namespace ccst::repair {
@@ -44,17 +46,18 @@ std::vector<std::int32_t> SplitFans(LinkedFaces* linked) {
   std::vector<std::pair<std::int32_t, std::int32_t>> meeting;  // Boundary over boundary.
   const auto look = [&](std::span<const std::int32_t> slots) {
     if (slots.size() == 2 && linked->links[slots[0]] < 0) meeting.emplace_back(slots[0], slots[1]);
-    if (slots.size() <= 2) return;
+    if (slots.size() <= 2) return true;
     for (const std::int32_t s : slots) linked->Unlink(s);
     undone = true;
+    return true;
   };
-  ForEachEdge(*linked, count, look);
+  ForEachEdge(linked->faces, count, look);
   if (undone) {
     linked->faces = whole;
     count = NumberFans(*linked, &fans);
     linked->faces = fans;
     meeting.clear();
-    ForEachEdge(*linked, count, look);
+    ForEachEdge(linked->faces, count, look);
   }
   for (const auto& [one, other] : meeting) linked->Link(one, other);
   std::vector<std::int32_t> vertices(count, -1);

@@ -207,7 +207,9 @@ std::int64_t ApplyOrientation(const Geometry& geometry,
   }
   linked->links = std::move(moved);
   for (std::int32_t f = 0; f < linked->count(); ++f) {
-    if (orientation->flips[f]) std::swap(linked->faces[f][1], linked->faces[f][2]);
+    if (!orientation->flips[f]) continue;
+    std::swap(linked->faces[f][1], linked->faces[f][2]);
+    std::swap(linked->source_corner[f][1], linked->source_corner[f][2]);
   }
   orientation->flips.assign(linked->faces.size(), 0);
   return flipped;

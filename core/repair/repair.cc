@@ -1,9 +1,11 @@
 #include "core/repair/repair.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -17,6 +19,7 @@
 #include "core/repair/geometry.h"
 #include "core/repair/linked_faces.h"
 #include "core/repair/orientation.h"
+#include "core/repair/soundness.h"
 #include "core/repair/weld.h"
 #include "core/repair/zero_area.h"
 
@@ -29,10 +32,13 @@ using repair::LinkedFaces;
 constexpr double kLargestExtent = 1e300;
 constexpr std::size_t kMostFaces = 700'000'000;  // Three slots each in 31 bits.
 constexpr std::size_t kMostVertices = 2'000'000'000;
+constexpr std::array<std::int8_t, 3> kOwnCorners = {0, 1, 2};
 
 absl::Status Refuse(ErrorReason reason, const std::string& message) {
   return MakeError(absl::StatusCode::kInvalidArgument, reason, message);
 }
+
+absl::Status Stopped() { return absl::CancelledError("stopped while the mesh was repaired"); }
 
 std::string Describe(const Eigen::Vector3d& p) {
   return absl::StrCat("(", p.x(), ", ", p.y(), ", ", p.z(), ")");
@@ -123,6 +129,7 @@ LinkedFaces WeldFaces(const TriangleMesh& mesh, const std::vector<std::int32_t>&
   LinkedFaces linked;
   linked.faces.reserve(mesh.faces.size());
   linked.source.reserve(mesh.faces.size());
+  linked.source_corner.reserve(mesh.faces.size());
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     const Eigen::Vector3i& in = mesh.faces[f];
     const Eigen::Vector3i face(leaders[in[0]], leaders[in[1]], leaders[in[2]]);
@@ -132,6 +139,7 @@ LinkedFaces WeldFaces(const TriangleMesh& mesh, const std::vector<std::int32_t>&
     }
     linked.faces.push_back(face);
     linked.source.push_back(static_cast<std::int32_t>(f));
+    linked.source_corner.push_back(kOwnCorners);
   }
   return linked;
 }
@@ -207,7 +215,10 @@ TriangleMesh Assemble(const TriangleMesh& mesh, const std::vector<std::int32_t>&
 
 }  // namespace
 
-absl::StatusOr<RepairedMesh> Repair(const TriangleMesh& mesh, const RepairOptions& options) {
+absl::StatusOr<RepairedMesh> Repair(const TriangleMesh& mesh, const RepairOptions& options,
+                                    Interrupt* interrupt) {
+  Interrupt never;
+  if (interrupt == nullptr) interrupt = &never;
   CCST_RETURN_IF_ERROR(CheckInput(mesh, options));
   const std::vector<std::uint8_t> used = UsedVertices(mesh);
   const double unit = UnitOf(mesh, used);
@@ -218,14 +229,27 @@ absl::StatusOr<RepairedMesh> Repair(const TriangleMesh& mesh, const RepairOption
                                " can be computed with"));
   }
 
+  const Geometry geometry(mesh.positions, unit);
   RepairedMesh result;
+  if (options.weld_tolerance == 0.0 && repair::IsSound(mesh, used, geometry, interrupt)) {
+    result.mesh.positions = mesh.positions;
+    result.mesh.faces = mesh.faces;
+    result.source_face.resize(mesh.faces.size());
+    std::iota(result.source_face.begin(), result.source_face.end(), 0);
+    result.source_corner.assign(mesh.faces.size(), kOwnCorners);
+    CCST_RETURN_IF_ERROR(CheckArea(mesh, result.mesh));
+    return result;
+  }
   RepairReport& report = result.report;
   const auto vertex_count = static_cast<std::int64_t>(mesh.positions.size());
+  const auto stopped = [interrupt] { return interrupt->Requested(); };
+  if (stopped()) return Stopped();
   const std::vector<std::int32_t> leaders =
       repair::WeldLeaders(mesh.positions, used, options.weld_tolerance);
-  const Geometry geometry(mesh.positions, unit);
+  if (stopped()) return Stopped();
   LinkedFaces linked = WeldFaces(mesh, leaders, &report.repeated_index_faces);
   report.duplicate_faces = repair::DropDuplicates(&linked, vertex_count);
+  if (stopped()) return Stopped();
   repair::CrowdedEdges crowded = repair::LinkPlainEdges(mesh.faces, leaders, &linked);
   if (crowded.any) {
     report.degenerate_faces = repair::DropHangingSlivers(geometry, &linked, vertex_count);
@@ -233,13 +257,17 @@ absl::StatusOr<RepairedMesh> Repair(const TriangleMesh& mesh, const RepairOption
       crowded = repair::LinkPlainEdges(mesh.faces, leaders, &linked);
     }
   }
+  if (stopped()) return Stopped();
   report.cut_edges = static_cast<std::int64_t>(crowded.count());
   repair::Orientation orientation = repair::OrientAlongLinks(&linked, &report.non_orientable_cuts);
   repair::LinkCrowdedEdges(geometry, crowded, &orientation, &linked);
 
+  if (stopped()) return Stopped();
   const std::vector<std::int32_t> fan_leaders = repair::SplitFans(&linked);
   const std::vector<std::int32_t> input_vertices = InputVertices(mesh, linked, fan_leaders.size());
+  if (stopped()) return Stopped();
   report.flipped_faces = repair::ApplyOrientation(geometry, input_vertices, &orientation, &linked);
+  if (stopped()) return Stopped();
   const repair::ZeroAreaReport zero_area =
       repair::RemoveZeroArea(geometry, input_vertices, &linked);
   report.degenerate_faces += zero_area.removed;
@@ -255,6 +283,7 @@ absl::StatusOr<RepairedMesh> Repair(const TriangleMesh& mesh, const RepairOption
   CountVertices(used, leaders, std::move(fans), &report);
   result.mesh = Assemble(mesh, input_vertices, std::move(linked.faces));
   result.source_face = std::move(linked.source);
+  result.source_corner = std::move(linked.source_corner);
   CCST_RETURN_IF_ERROR(CheckArea(mesh, result.mesh));
   return result;
 }

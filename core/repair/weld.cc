@@ -117,6 +117,31 @@ class LeaderGrid {
 
 }  // namespace
 
+bool AllDiffer(const std::vector<Eigen::Vector3d>& positions, Interrupt* interrupt) {
+  // Sorted piece by piece, in pieces that fit the cache.
+  constexpr int kPieceBits = 10;
+  const int shift =
+      64 - std::clamp(static_cast<int>(std::bit_width(positions.size())) - kPieceBits, 1, 20);
+  std::vector<std::uint32_t> start((std::size_t{1} << (64 - shift)) + 1, 0);
+  std::vector<std::uint64_t> hashes(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    hashes[i] = Hash(positions[i]);
+    ++start[(hashes[i] >> shift) + 1];
+  }
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<std::uint64_t> sorted(hashes.size());
+  std::vector<std::uint32_t> fill(start.begin(), start.end() - 1);
+  for (const std::uint64_t hash : hashes) sorted[fill[hash >> shift]++] = hash;
+  for (std::size_t piece = 0; piece + 1 < start.size(); ++piece) {
+    if (interrupt->Requested()) return false;
+    const auto begin = sorted.begin() + start[piece];
+    const auto end = sorted.begin() + start[piece + 1];
+    std::sort(begin, end);
+    if (std::adjacent_find(begin, end) != end) return false;
+  }
+  return true;
+}
+
 std::vector<std::int32_t> WeldLeaders(const std::vector<Eigen::Vector3d>& positions,
                                       const std::vector<std::uint8_t>& used, double tolerance) {
   std::vector<std::int32_t> leaders(positions.size());

@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "core/base/interrupt.h"
+
 namespace ccst::repair {
 
 /// Per position the smallest index of those it is joined with (itself when alone). Positions not
@@ -15,5 +17,10 @@ namespace ccst::repair {
 /// Cost O(V log V).
 std::vector<std::int32_t> WeldLeaders(const std::vector<Eigen::Vector3d>& positions,
                                       const std::vector<std::uint8_t>& used, double tolerance);
+
+/// Whether no two positions are equal; may be wrong, once in 10^19 pairs, by saying that two are.
+/// Positions must be finite. When `interrupt` is requested the answer means nothing.
+/// Cost O(V log V), a few times less than WeldLeaders().
+bool AllDiffer(const std::vector<Eigen::Vector3d>& positions, Interrupt* interrupt);
 
 }  // namespace ccst::repair

@@ -1,6 +1,7 @@
 #include "core/repair/zero_area.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <deque>
 #include <unordered_set>
@@ -145,6 +146,10 @@ class ZeroAreaRemoval {
     linked_.faces[f] = one;
     linked_.faces[g] = two;
     linked_.source[f] = linked_.source[g];
+    const std::array<std::int8_t, 3> corner = linked_.source_corner[g];
+    const std::int8_t at_d = corner[(across % 3 + 2) % 3];
+    linked_.source_corner[f] = {corner[across % 3], -1, at_d};
+    linked_.source_corner[g] = {-1, corner[(across % 3 + 1) % 3], at_d};
     linked_.Link(3 * f + 1, 3 * g + 2);
     Attach(3 * f, beyond_bc);
     Attach(3 * f + 2, beyond_db);
@@ -168,10 +173,12 @@ class ZeroAreaRemoval {
       if (dropped_[f]) continue;
       linked_.faces[kept] = linked_.faces[f];
       linked_.source[kept] = linked_.source[f];
+      linked_.source_corner[kept] = linked_.source_corner[f];
       ++kept;
     }
     linked_.faces.resize(kept);
     linked_.source.resize(kept);
+    linked_.source_corner.resize(kept);
     linked_.links.clear();  // Nobody needs them any more.
   }
 

@@ -18,15 +18,21 @@ constexpr int kNearest = 4;
 
 }  // namespace
 
-Coverage::Coverage(const Surface* surface, const Plan* plan) : surface_(*surface), plan_(*plan) {
+Coverage::Coverage(const Surface* surface, const Density* density, const Plan* plan)
+    : surface_(*surface) {
   for (std::int32_t v = 0; v < surface->vertex_count(); ++v) {
     const std::int32_t h = surface->outgoing()[v];
     if (surface->twins()[h] < 0) continue;  // Loops have their own samples.
+    if (plan->components[surface->face_components()[h / 3]].points) continue;
     Eigen::Vector3d weights = Eigen::Vector3d::Zero();
     weights[h % 3] = 1.0;
     const PrincipalCurvatures curvature =
         Diagonalise(surface->ShapeAt(h / 3, weights), surface->normals()[v]);
-    if (std::abs(curvature.k1) * plan->spacing > kLeastCurvature) curved_.push_back(v);
+    const double spacing =
+        plan->LocalSpacing(density->At(h / 3, weights, plan->spacing * plan->spacing));
+    if (std::abs(curvature.k1) * spacing <= kLeastCurvature) continue;
+    curved_.push_back(v);
+    spacing_.push_back(spacing);
   }
 }
 
@@ -35,10 +41,13 @@ std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh, cons
   std::vector<UncoveredPlace> found;
   if (curved_.empty()) return found;
   const PointTree tree(samples.position);
-  for (const std::int32_t v : curved_) {
+  for (std::size_t k = 0; k < curved_.size(); ++k) {
+    const std::int32_t v = curved_[k];
     const Eigen::Vector3d& place = surface_.positions()[v];
-    UncoveredPlace nearest{v, -1, std::numeric_limits<double>::infinity()};
+    UncoveredPlace nearest{v, -1, std::numeric_limits<double>::infinity(), spacing_[k]};
+    const std::int32_t component = surface_.face_components()[surface_.outgoing()[v] / 3];
     for (const std::int32_t i : tree.Nearest(place, kNearest)) {
+      if (samples.component[i] != component) continue;
       // Triangles on the other side of a thin part do not cover this one.
       if (samples.normal[i].dot(surface_.normals()[v]) < -0.5) continue;
       mesh.ForEachOutgoing(i, [&](std::int32_t h) {
@@ -46,7 +55,7 @@ std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh, cons
         const Eigen::Vector3d& b = samples.position[mesh.Target(h)];
         const Eigen::Vector3d& c = samples.position[mesh.Apex(h)];
         const Eigen::Vector3d w = ClosestWeights(place, a, b, c);
-        const double distance = (w[0] * a + w[1] * b + w[2] * c - place).norm() / plan_.spacing;
+        const double distance = (w[0] * a + w[1] * b + w[2] * c - place).norm() / spacing_[k];
         if (distance < nearest.distance) {
           nearest.distance = distance;
           nearest.triangle = h / 3;
@@ -62,7 +71,7 @@ std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh, cons
   for (const UncoveredPlace& place : found) {
     const bool close = std::any_of(apart.begin(), apart.end(), [&](const UncoveredPlace& other) {
       return (surface_.positions()[place.vertex] - surface_.positions()[other.vertex]).norm() <
-             plan_.spacing;
+             place.spacing;
     });
     if (!close) apart.push_back(place);
   }

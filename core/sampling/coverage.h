@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/density/density.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/sample_mesh.h"
 #include "core/sampling/samples.h"
@@ -14,24 +15,25 @@ namespace ccst {
 struct UncoveredPlace {
   std::int32_t vertex = -1;    ///< Of the surface.
   std::int32_t triangle = -1;  ///< Of the sample mesh, the one nearest to it.
-  double distance = 0.0;       ///< Between the two, in units of the spacing.
+  double distance = 0.0;       ///< Between the two, in units of the spacing there.
+  double spacing = 0.0;        ///< Of samples there.
 };
 
 /// Looks for places of the surface far from the sample mesh. Only strongly curved vertices are
 /// looked at: elsewhere triangles over samples on the surface cannot be far from it.
 class Coverage {
  public:
-  Coverage(const Surface* surface, const Plan* plan);
+  Coverage(const Surface* surface, const Density* density, const Plan* plan);
 
-  /// Vertices of the surface more than `limit` spacings from the sample mesh, farthest first, no
-  /// two within a spacing of one another. Cost O(n log n + curved vertices).
+  /// Vertices of the surface more than `limit` local spacings from the sample mesh, farthest first,
+  /// no two within a spacing of one another. Cost O(n log n + curved vertices).
   std::vector<UncoveredPlace> FindUncovered(const SampleMesh& mesh, const Samples& samples,
                                             double limit) const;
 
  private:
   const Surface& surface_;
-  const Plan& plan_;
-  std::vector<std::int32_t> curved_;
+  std::vector<std::int32_t> curved_;  // Vertices of the surface.
+  std::vector<double> spacing_;       // Per curved vertex.
 };
 
 }  // namespace ccst

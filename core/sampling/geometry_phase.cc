@@ -19,6 +19,8 @@ constexpr double kLeastFacing = 0.2;
 constexpr double kLongestStep = 0.5;
 /// Neighbours on a boundary loop do not come nearer than this, in units of the local spacing.
 constexpr double kLeastBoundarySpacing = 0.8;
+/// Relative change of a triangle's density that counts as none.
+constexpr double kDensityRest = 0.01;
 /// Bounds a triangle's capacity away from zero in the majoriser's gradient.
 constexpr double kLeastCapacity = 0.05;
 
@@ -41,7 +43,7 @@ bool FacesEnough(const Eigen::Vector3d& cross, const Eigen::Vector3d& up) {
 struct GeometryPhase::Ring {
   int neighbours = 0;
   int triangles = 0;   ///< As many as neighbours, or one less on the boundary.
-  double scale = 0.0;  ///< c = scale * |cross product|.
+  double scale = 0.0;  ///< c = scale * density * |cross product|.
   double energy = 0.0;
   double least_facing = 0.0;  ///< SignedFacing() of the worst triangle that does not face enough.
   double spacing = 0.0;
@@ -50,20 +52,63 @@ struct GeometryPhase::Ring {
                                                  ///< boundary vertex, which has none.
   std::array<Eigen::Vector3d, kMaxRing> position;
   std::array<Eigen::Vector3d, kMaxRing> normal;
+  std::array<double, kMaxRing> density;  ///< Of the triangle from this neighbour to the next.
 };
 
-GeometryPhase::GeometryPhase(const Surface* surface, const Plan* plan, Energy energy,
-                             const SampleMesh* mesh, Samples* samples)
-    : surface_(*surface), plan_(*plan), energy_(energy), mesh_(*mesh), samples_(*samples) {
+GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, const Plan* plan,
+                             Energy energy, const SampleMesh* mesh, Samples* samples)
+    : surface_(*surface),
+      density_(*density),
+      plan_(*plan),
+      energy_(energy),
+      mesh_(*mesh),
+      samples_(*samples) {
   scale_.reserve(plan->components.size());
   for (const ComponentPlan& component : plan->components) scale_.push_back(1.0 / component.target);
   active_.assign(samples->count(), 0);
   next_.assign(samples->count(), 1);
   moved_.assign(samples->count(), 1);
+  if (density->uniform()) return;
+  mean_density_.resize(mesh->triangle_count());
+  is_outdated_.assign(samples->count(), 0);
+  for (std::int32_t t = 0; t < mesh->triangle_count(); ++t) mean_density_[t] = MeanDensity(t);
+}
+
+double GeometryPhase::MeanDensity(std::int32_t t) const {
+  const std::array<std::int32_t, 3> corner = {mesh_.origin[3 * t], mesh_.origin[3 * t + 1],
+                                              mesh_.origin[3 * t + 2]};
+  const Eigen::Vector3d& a = samples_.position[corner[0]];
+  const Eigen::Vector3d& b = samples_.position[corner[1]];
+  const Eigen::Vector3d& c = samples_.position[corner[2]];
+  const double area = 0.5 * (b - a).cross(c - a).norm();
+  // The centres of the four congruent parts, each on the surface as seen from the nearest corner.
+  double sum = 0.0;
+  for (int k = -1; k < 3; ++k) {
+    Eigen::Vector3d weights = Eigen::Vector3d::Constant(k < 0 ? 1.0 / 3.0 : 1.0 / 6.0);
+    if (k >= 0) weights[k] = 2.0 / 3.0;
+    const SurfacePoint point = surface_.Follow(samples_.face[corner[std::max(k, 0)]],
+                                               weights[0] * a + weights[1] * b + weights[2] * c);
+    sum += density_.At(point.face, point.weights, 0.25 * area);
+  }
+  return 0.25 * sum;
+}
+
+void GeometryPhase::UpdateDensities() {
+  if (density_.uniform()) return;
+  for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
+    const std::int32_t* corner = &mesh_.origin[3 * t];
+    if (!(is_outdated_[corner[0]] | is_outdated_[corner[1]] | is_outdated_[corner[2]])) continue;
+    const double before = mean_density_[t];
+    mean_density_[t] = MeanDensity(t);
+    if (std::abs(mean_density_[t] - before) <= kDensityRest * before) continue;
+    for (int k = 0; k < 3; ++k) next_[corner[k]] = 1;
+  }
+  std::fill(is_outdated_.begin(), is_outdated_.end(), std::uint8_t{0});
 }
 
 void GeometryPhase::Activate(std::int32_t v) {
   next_[v] = 1;
+  if (!is_outdated_.empty()) is_outdated_[v] = 1;
   mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
     next_[mesh_.Target(h)] = 1;
     next_[mesh_.Apex(h)] = 1;
@@ -78,10 +123,12 @@ double GeometryPhase::Capacity(std::int32_t t) const {
   const Eigen::Vector3d& a = samples_.position[mesh_.origin[3 * t]];
   const Eigen::Vector3d& b = samples_.position[mesh_.origin[3 * t + 1]];
   const Eigen::Vector3d& c = samples_.position[mesh_.origin[3 * t + 2]];
-  return 0.5 * scale_[samples_.component[mesh_.origin[3 * t]]] * (b - a).cross(c - a).norm();
+  const double rho = mean_density_.empty() ? 1.0 : mean_density_[t];
+  return 0.5 * scale_[samples_.component[mesh_.origin[3 * t]]] * rho * (b - a).cross(c - a).norm();
 }
 
 GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
+  if (mesh_.triangle_count() == 0) return {};
   double sum = 0.0;
   double squares = 0.0;
   for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
@@ -100,12 +147,15 @@ GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
 bool GeometryPhase::Gather(std::int32_t v, Ring* ring) const {
   int count = 0;
   const std::int32_t start = mesh_.outgoing[v];
+  if (start < 0) return false;  // A point.
   std::int32_t h = start;
   const auto add = [&](std::int32_t u, std::int32_t half_edge) {
     ring->vertex[count] = u;
     ring->half_edge[count] = half_edge;
     ring->position[count] = samples_.position[u];
     ring->normal[count] = samples_.normal[u];
+    ring->density[count] =
+        mean_density_.empty() || half_edge < 0 ? 1.0 : mean_density_[half_edge / 3];
     ++count;
   };
   while (true) {
@@ -138,7 +188,7 @@ bool GeometryPhase::Evaluate(const Ring& ring, const Eigen::Vector3d& position,
     const double length = cross.norm();
     const Eigen::Vector3d up = normal + ring.normal[i] + ring.normal[j];
     if (!FacesEnough(cross, up) && SignedFacing(cross, up) <= ring.least_facing) return false;
-    const double c = ring.scale * length;
+    const double c = ring.scale * ring.density[i] * length;
     sum += energy_ == Energy::kTarget ? (c - 1.0) * (c - 1.0) : c * c;
     if (sum > ring.energy) return false;
   }
@@ -146,20 +196,12 @@ bool GeometryPhase::Evaluate(const Ring& ring, const Eigen::Vector3d& position,
   return true;
 }
 
-double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring) {
-  const Eigen::Vector3d s = samples_.position[v];
-  const Eigen::Vector3d n = samples_.normal[v];
-  Eigen::Vector3d t1;
-  Eigen::Vector3d t2;
-  TangentFrame(n, &t1, &t2);
-
-  // Gradient of the ring's energy and the Hessian of sum c^2 in the tangent plane; for a triangle
-  // (s, p, q) with opposite edge e = q - p and cross product x, grad |x|^2 = 2 x cross e and
-  // hess |x|^2 = 2 (|e|^2 I - e e').
+template <typename F>
+Eigen::Vector3d GeometryPhase::Sum(const Eigen::Vector3d& s, const Eigen::Vector3d& n, Ring* ring,
+                                   F&& add_edge) const {
+  // For a triangle (s, p, q) with opposite edge e = q - p and cross product x,
+  // grad |x|^2 = 2 x cross e and hess |x|^2 = 2 (|e|^2 I - e e'); c^2 weighs it with density^2.
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  double h11 = 0.0;
-  double h12 = 0.0;
-  double h22 = 0.0;
   double area = 0.0;
   ring->energy = 0.0;
   ring->least_facing = 1.0;
@@ -168,7 +210,7 @@ double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring) {
     const Eigen::Vector3d e = ring->position[j] - ring->position[i];
     const Eigen::Vector3d cross = (ring->position[i] - s).cross(ring->position[j] - s);
     const double length = cross.norm();
-    const double c = ring->scale * length;
+    const double c = ring->scale * ring->density[i] * length;
     area += length;
     const Eigen::Vector3d up = n + ring->normal[i] + ring->normal[j];
     if (!FacesEnough(cross, up)) {
@@ -181,15 +223,32 @@ double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring) {
     } else {
       ring->energy += c * c;
     }
-    gradient += pull * cross.cross(e);
+    const double weight = ring->density[i] * ring->density[i];
+    gradient += weight * pull * cross.cross(e);
+    add_edge(e, weight);
+  }
+  ring->spacing = std::sqrt(2.0 / std::sqrt(3.0) * area / ring->triangles);
+  return gradient;
+}
+
+double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring) {
+  const Eigen::Vector3d s = samples_.position[v];
+  const Eigen::Vector3d n = samples_.normal[v];
+  Eigen::Vector3d t1;
+  Eigen::Vector3d t2;
+  TangentFrame(n, &t1, &t2);
+
+  double h11 = 0.0;
+  double h12 = 0.0;
+  double h22 = 0.0;
+  const Eigen::Vector3d gradient = Sum(s, n, ring, [&](const Eigen::Vector3d& e, double weight) {
     const double e1 = e.dot(t1);
     const double e2 = e.dot(t2);
     const double ee = e.squaredNorm();
-    h11 += ee - e1 * e1;
-    h12 -= e1 * e2;
-    h22 += ee - e2 * e2;
-  }
-  ring->spacing = std::sqrt(2.0 / std::sqrt(3.0) * area / ring->triangles);
+    h11 += weight * (ee - e1 * e1);
+    h12 -= weight * (e1 * e2);
+    h22 += weight * (ee - e2 * e2);
+  });
   const double g1 = gradient.dot(t1);
   const double g2 = gradient.dot(t2);
   const double bend = gradient.dot(n);
@@ -237,40 +296,19 @@ double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring) {
 double GeometryPhase::MoveBoundary(std::int32_t v, Ring* ring) {
   const std::int32_t loop = samples_.loop[v];
   const double length = plan_.loops[loop].length;
+  const double rate = plan_.loops[loop].rate[plan_.loops[loop].Segment(samples_.arc[v])];
   const Eigen::Vector3d s = samples_.position[v];
   const Eigen::Vector3d n = samples_.normal[v];
   const Eigen::Vector3d chord = ring->position[0] - ring->position[ring->neighbours - 1];
   const double chord_length = chord.norm();
   if (!(chord_length > 0.0)) return 0.0;
   const Eigen::Vector3d t = chord / chord_length;
-  double slope = 0.0;
   double curvature = 0.0;
-  double area = 0.0;
-  ring->energy = 0.0;
-  ring->least_facing = 1.0;
-  for (int i = 0; i < ring->triangles; ++i) {
-    const Eigen::Vector3d e = ring->position[i + 1] - ring->position[i];
-    const Eigen::Vector3d cross = (ring->position[i] - s).cross(ring->position[i + 1] - s);
-    const double size = cross.norm();
-    const double c = ring->scale * size;
-    area += size;
-    const Eigen::Vector3d up = n + ring->normal[i] + ring->normal[i + 1];
-    if (!FacesEnough(cross, up)) {
-      ring->least_facing = std::min(ring->least_facing, SignedFacing(cross, up));
-    }
-    double pull = 1.0;
-    if (energy_ == Energy::kTarget) {
-      ring->energy += (c - 1.0) * (c - 1.0);
-      pull = 1.0 - 1.0 / std::max(c, kLeastCapacity);
-    } else {
-      ring->energy += c * c;
-    }
-    slope += pull * cross.cross(e).dot(t);
-    curvature += e.squaredNorm() - e.dot(t) * e.dot(t);
-  }
-  ring->spacing = std::sqrt(2.0 / std::sqrt(3.0) * area / ring->triangles);
+  const Eigen::Vector3d gradient = Sum(s, n, ring, [&](const Eigen::Vector3d& e, double weight) {
+    curvature += weight * (e.squaredNorm() - e.dot(t) * e.dot(t));
+  });
   if (!(curvature > 0.0)) return 0.0;
-  const double wanted = -slope / curvature;
+  const double wanted = -gradient.dot(t) / curvature;
   if (!(std::abs(wanted) > 0.1 * rest * ring->spacing)) return 0.0;
   const double nearest =
       std::min((ring->position[0] - s).norm(), (ring->position[ring->neighbours - 1] - s).norm());
@@ -278,7 +316,7 @@ double GeometryPhase::MoveBoundary(std::int32_t v, Ring* ring) {
   const double least = std::min(nearest, kLeastBoundarySpacing * ring->spacing);
   double step = std::clamp(stretch * wanted, -longest, longest);
   for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, step *= 0.5) {
-    double arc = std::fmod(samples_.arc[v] + step + length, length);
+    double arc = std::fmod(samples_.arc[v] + rate * step + length, length);
     if (!(arc >= 0.0 && arc < length)) arc = 0.0;
     const SurfacePoint point = PointOnLoop(surface_, plan_, loop, arc);
     if ((ring->position[0] - point.position).norm() < least ||
@@ -334,6 +372,7 @@ double GeometryPhase::Pass(Interrupt* interrupt) {
     largest = std::max(largest, relative);
     if (relative <= rest) continue;
     moved_[v] = 1;
+    if (!is_outdated_.empty()) is_outdated_[v] = 1;
     next_[v] = 1;
     for (int i = 0; i < ring.neighbours; ++i) next_[ring.vertex[i]] = 1;
   }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/interrupt.h"
+#include "core/density/density.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/sample_mesh.h"
 #include "core/sampling/samples.h"
@@ -25,8 +26,8 @@ namespace ccst {
 /// Source: Xu et al. 2012, sections 3.3, 3.4 and appendices A, B, with the errata.
 class GeometryPhase {
  public:
-  GeometryPhase(const Surface* surface, const Plan* plan, Energy energy, const SampleMesh* mesh,
-                Samples* samples);
+  GeometryPhase(const Surface* surface, const Density* density, const Plan* plan, Energy energy,
+                const SampleMesh* mesh, Samples* samples);
 
   /// Visits every active vertex once. A vertex is active when it or a neighbour moved by more than
   /// a small part of the spacing since its last visit, or when Activate() named it.
@@ -34,7 +35,13 @@ class GeometryPhase {
   /// @return the largest move in units of the local spacing. Cost O(active vertices).
   double Pass(Interrupt* interrupt);
 
-  /// Marks `v` and its neighbours for the next pass.
+  /// Integrates the density anew over the triangles around the vertices that moved since the last
+  /// call or that Activate() named, and activates the corners of those it changed. Between calls a
+  /// triangle's mean density is fixed, so that the energy falls with every move.
+  /// Does nothing where the density is uniform. Cost O(such triangles).
+  void UpdateDensities();
+
+  /// Marks `v`, whose triangles have changed, and its neighbours for the next pass.
   void Activate(std::int32_t v);
   void DeactivateAll();
 
@@ -63,23 +70,33 @@ class GeometryPhase {
  private:
   struct Ring;
   bool Gather(std::int32_t v, Ring* ring) const;
+  /// Sets the energy, facing and spacing of `ring` around a vertex at `s` with normal `n`, and
+  /// calls add_edge(opposite edge, weight) for each triangle. @return half the energy's gradient,
+  /// over scale^2.
+  template <typename F>
+  Eigen::Vector3d Sum(const Eigen::Vector3d& s, const Eigen::Vector3d& n, Ring* ring,
+                      F&& add_edge) const;
   double MoveInterior(std::int32_t v, Ring* ring);
   double MoveBoundary(std::int32_t v, Ring* ring);
   bool Evaluate(const Ring& ring, const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
                 double* energy) const;
 
+  void FindSpoiltEdges(std::int32_t v, const Ring& ring);
+  double MeanDensity(std::int32_t t) const;
+
   const Surface& surface_;
+  const Density& density_;
   const Plan& plan_;
   const Energy energy_;
   const SampleMesh& mesh_;
   Samples& samples_;
-  void FindSpoiltEdges(std::int32_t v, const Ring& ring);
-
   std::vector<double> scale_;  // Per component: 1 / C*.
   std::vector<std::int32_t> spoilt_edges_;
   std::vector<std::uint8_t> active_;
   std::vector<std::uint8_t> next_;
   std::vector<std::uint8_t> moved_;
+  std::vector<double> mean_density_;       // Per triangle; empty where the density is uniform.
+  std::vector<std::uint8_t> is_outdated_;  // Per vertex: mean_density_ of its triangles is.
 };
 
 }  // namespace ccst

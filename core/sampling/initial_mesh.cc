@@ -28,6 +28,11 @@ class Insertion {
     normals.insert(normals.end(), surface.normals().begin(), surface.normals().end());
     vertex_of_.resize(surface.vertex_count());
     std::iota(vertex_of_.begin(), vertex_of_.end(), samples.count());
+    components = samples.component;
+    components.reserve(positions.size());
+    for (const std::int32_t h : surface.outgoing()) {
+      components.push_back(surface.face_components()[h / 3]);
+    }
   }
 
   /// @return false when stopped.
@@ -46,6 +51,7 @@ class Insertion {
   SampleMesh mesh;
   std::vector<Eigen::Vector3d> positions;
   std::vector<Eigen::Vector3d> normals;
+  std::vector<std::int32_t> components;  // Per vertex, of the surface.
 
  private:
   /// A boundary sample that lies on a vertex of the surface takes its place.
@@ -66,6 +72,10 @@ class Insertion {
   void SetTriangles() {
     std::vector<Eigen::Vector3i> triangles(surface_.face_count());
     for (std::int32_t f = 0; f < surface_.face_count(); ++f) {
+      if (plan_.components[surface_.face_components()[f]].points) {
+        triangles[f].setConstant(-1);
+        continue;
+      }
       for (int k = 0; k < 3; ++k) triangles[f][k] = vertex_of_[surface_.faces()[f][k]];
     }
     triangle_face_.resize(surface_.face_count());
@@ -85,6 +95,7 @@ class Insertion {
       }
       positions.push_back(position / static_cast<double>(chain.size()));
       normals.push_back(normal.normalized());
+      components.push_back(surface_.boundary_loops()[l].component);
     }
     mesh.SetTriangles(static_cast<std::int32_t>(positions.size()), triangles);
     last_of_face_.assign(surface_.face_count(), -1);
@@ -105,9 +116,7 @@ class Insertion {
       const std::int32_t l = samples_.loop[i];
       if (l < 0 || adopted_[i]) continue;
       const LoopPlan& loop = plan_.loops[l];
-      const auto after = std::upper_bound(loop.start.begin(), loop.start.end(), samples_.arc[i]);
-      const auto k = std::max<std::ptrdiff_t>(0, after - loop.start.begin() - 1);
-      const std::int32_t h = surface_.boundary_loops()[l].half_edges[k];
+      const std::int32_t h = surface_.boundary_loops()[l].half_edges[loop.Segment(samples_.arc[i])];
       if (l != last_loop || h != last_half_edge) {
         ahead = FindEdgeBetween(vertex_of_[surface_.Origin(h)], vertex_of_[surface_.Target(h)], h);
       }
@@ -207,8 +216,14 @@ class Insertion {
   std::vector<std::int32_t> stack_;
 };
 
-/// Live triangles over the samples, ordered by their smallest vertex.
-std::vector<Eigen::Vector3i> LiveTriangles(const SampleMesh& mesh, std::int32_t vertex_count) {
+/// Live triangles over the samples for whose vertices `wanted` holds, ordered by their smallest
+/// one.
+template <typename Wanted>
+std::vector<Eigen::Vector3i> LiveTriangles(const SampleMesh& mesh, std::int32_t vertex_count,
+                                           const Wanted& wanted) {
+  const auto is_live = [&](std::int32_t t) {
+    return !mesh.IsDead(t) && wanted(mesh.origin[3 * t]);
+  };
   const auto first_corner = [&](std::int32_t t) {
     const std::int32_t* corner = &mesh.origin[3 * t];
     return corner[0] < corner[1] ? (corner[0] < corner[2] ? 0 : 2)
@@ -216,12 +231,12 @@ std::vector<Eigen::Vector3i> LiveTriangles(const SampleMesh& mesh, std::int32_t 
   };
   std::vector<std::int32_t> start(vertex_count + 1, 0);
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (!mesh.IsDead(t)) ++start[mesh.origin[3 * t + first_corner(t)] + 1];
+    if (is_live(t)) ++start[mesh.origin[3 * t + first_corner(t)] + 1];
   }
   for (std::int32_t v = 0; v < vertex_count; ++v) start[v + 1] += start[v];
   std::vector<Eigen::Vector3i> triangles(start[vertex_count]);
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (mesh.IsDead(t)) continue;
+    if (!is_live(t)) continue;
     const int first = first_corner(t);
     const std::int32_t v = mesh.origin[3 * t + first];
     triangles[start[v]++] = {v, mesh.origin[3 * t + (first + 1) % 3],
@@ -233,20 +248,29 @@ std::vector<Eigen::Vector3i> LiveTriangles(const SampleMesh& mesh, std::int32_t 
 }  // namespace
 
 absl::StatusOr<SampleMesh> BuildInitialMesh(const Surface& surface, const Plan& plan,
-                                            const Samples& samples, Interrupt* interrupt) {
+                                            const Samples& samples, Interrupt* interrupt,
+                                            std::vector<std::int32_t>* failed) {
   Insertion insertion(surface, plan, samples);
   if (!insertion.Run(interrupt))
     return absl::CancelledError("stopped while the samples were inserted");
-  CCST_ASSIGN_OR_RETURN(const std::int64_t left,
+  CCST_ASSIGN_OR_RETURN(const std::vector<std::int32_t> left,
                         RemoveVertices(samples.count(), insertion.positions, insertion.normals,
                                        interrupt, &insertion.mesh));
-  if (left > 0) {
+  if (!left.empty() && failed == nullptr) {
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
                      absl::StrCat("sample_count ", samples.count(),
                                   " is too small for the topology of the surface"));
   }
+  std::vector<std::uint8_t> wanted(plan.components.size(), 1);
+  for (const std::int32_t v : left) {
+    const std::int32_t c = insertion.components[v];
+    if (std::exchange(wanted[c], 0)) failed->push_back(c);
+  }
   SampleMesh mesh;
-  mesh.SetTriangles(samples.count(), LiveTriangles(insertion.mesh, samples.count()));
+  mesh.SetTriangles(samples.count(),
+                    LiveTriangles(insertion.mesh, samples.count(), [&](std::int32_t v) {
+                      return wanted[insertion.components[v]] != 0;
+                    }));
   EdgeFlips(&mesh, &samples.position, &samples.normal).FlipAll();
   return mesh;
 }

@@ -38,41 +38,8 @@ std::vector<std::int32_t> OrderFaces(const Surface& surface) {
 
 }  // namespace
 
-Eigen::Vector3d TriangleCurve(double t) {
-  Eigen::Vector3d a(1, 0, 0);
-  Eigen::Vector3d b(0, 1, 0);
-  Eigen::Vector3d c(0, 0, 1);
-  for (int level = 0; level < 26; ++level) {
-    t *= 4.0;
-    const int digit = std::min(3, static_cast<int>(t));
-    t -= digit;
-    const Eigen::Vector3d ab = 0.5 * (a + b);
-    const Eigen::Vector3d bc = 0.5 * (b + c);
-    const Eigen::Vector3d ca = 0.5 * (c + a);
-    switch (digit) {
-      case 0:
-        b = ab;
-        c = ca;
-        break;
-      case 1:
-        a = ab;
-        c = bc;
-        break;
-      case 2:
-        a = ab;
-        b = bc;
-        c = ca;
-        break;
-      default:
-        a = ca;
-        b = bc;
-        break;
-    }
-  }
-  return (a + b + c) / 3.0;
-}
-
-Samples DrawInitialPoints(const Surface& surface, const Plan& plan, std::uint64_t seed) {
+Samples DrawInitialPoints(const Surface& surface, const Density& density, const Plan& plan,
+                          std::uint64_t seed) {
   Samples samples;
   std::int64_t count = 0;
   for (const ComponentPlan& component : plan.components) count += component.samples;
@@ -80,33 +47,35 @@ Samples DrawInitialPoints(const Surface& surface, const Plan& plan, std::uint64_
 
   const CounterRandom random(seed, kPointStream);
   const std::vector<std::int32_t> order = OrderFaces(surface);
+  const std::vector<double>& capacities = density.face_capacities();
   std::size_t at = 0;
   std::int32_t i = 0;
   for (std::size_t c = 0; c < plan.components.size(); ++c) {
     const ComponentPlan& component = plan.components[c];
     const auto interior = static_cast<std::int32_t>(component.samples - component.boundary_samples);
-    const double stratum = surface.component_areas()[c] / std::max(1, interior);
+    const double stratum = density.component_capacities()[c] / std::max(1, interior);
     const auto in_component = [&](std::size_t k) {
       return k < order.size() &&
              surface.face_components()[order[k]] == static_cast<std::int32_t>(c);
     };
-    double passed = 0.0;  // Area of the component's faces before order[at].
+    const std::int32_t begin = i;
+    double passed = 0.0;  // Capacity of the component's faces before order[at].
     for (std::int32_t k = 0; k < interior; ++k, ++i) {
-      const double area = (k + random.Uniform(i)) * stratum;
-      while (in_component(at + 1) && passed + surface.face_areas()[order[at]] <= area) {
-        passed += surface.face_areas()[order[at++]];
+      const double wanted = (k + random.Uniform(component.points ? begin : i)) * stratum;
+      while (in_component(at + 1) && passed + capacities[order[at]] <= wanted) {
+        passed += capacities[order[at++]];
       }
       const std::int32_t face = order[at];
-      const double share =
-          surface.face_areas()[face] > 0.0 ? (area - passed) / surface.face_areas()[face] : 0.5;
+      const double share = capacities[face] > 0.0 ? (wanted - passed) / capacities[face] : 0.5;
       SurfacePoint point;
       point.face = face;
-      point.weights = TriangleCurve(std::clamp(share, 0.0, 1.0 - 0x1.0p-53));
+      point.weights = density.PointAt(face, std::clamp(share, 0.0, 1.0 - 0x1.0p-53));
       for (int corner = 0; corner < 3; ++corner) {
         point.position +=
             point.weights[corner] * surface.positions()[surface.faces()[face][corner]];
       }
       samples.Place(i, surface, point);
+      if (component.points) samples.kind[i] = SampleMesh::Kind::kPoint;
       samples.component[i] = static_cast<std::int32_t>(c);
     }
     while (in_component(at)) ++at;

@@ -31,23 +31,34 @@ std::int64_t SmallestCount(std::int64_t euler, std::int64_t loops) {
 /// Side of an equilateral triangle of the given area.
 double SideOf(double area) { return std::sqrt(4.0 * area / std::sqrt(3.0)); }
 
-void MeasureLoop(const Surface& surface, const BoundaryLoop& loop, LoopPlan* plan) {
+void MeasureLoop(const Surface& surface, const Density& density, const BoundaryLoop& loop,
+                 LoopPlan* plan) {
   double arc = 0.0;
+  double length = 0.0;
+  double weighed_density = 0.0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (const std::int32_t h : loop.half_edges) {
     plan->start.push_back(arc);
     const Eigen::Vector3d& a = surface.positions()[surface.Origin(h)];
     const Eigen::Vector3d& b = surface.positions()[surface.Target(h)];
-    center += (a + b) * (0.5 * (b - a).norm());
-    arc += (b - a).norm();
+    const double edge = (b - a).norm();
+    Eigen::Vector3d middle = Eigen::Vector3d::Constant(0.5);
+    middle[(h % 3 + 2) % 3] = 0.0;
+    const double rho = density.At(h / 3, middle, edge * edge);
+    center += (a + b) * (0.5 * edge);
+    plan->rate.push_back(std::sqrt(rho));
+    arc += plan->rate.back() * edge;
+    length += edge;
+    weighed_density += rho * edge;
   }
   plan->length = arc;
-  if (arc > 0.0) center /= arc;
+  if (length > 0.0) center /= length;
   for (const std::int32_t h : loop.half_edges) {
-    plan->hole_area += 0.5 * (surface.positions()[surface.Origin(h)] - center)
-                                 .cross(surface.positions()[surface.Target(h)] - center)
-                                 .norm();
+    plan->hole_capacity += 0.5 * (surface.positions()[surface.Origin(h)] - center)
+                                     .cross(surface.positions()[surface.Target(h)] - center)
+                                     .norm();
   }
+  if (length > 0.0) plan->hole_capacity *= weighed_density / length;
 }
 
 /// Arc lengths of the loop's corners: vertices at which it turns by more than kCornerTurn between
@@ -154,8 +165,8 @@ absl::Status TooSmall(std::int64_t count) {
 
 }  // namespace
 
-absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::uint64_t seed,
-                              std::int64_t* smallest) {
+absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density, std::int64_t count,
+                              std::uint64_t seed, std::int64_t* smallest) {
   Plan plan;
   const double area = surface.area();
   plan.spacing = std::sqrt(2.0 * area / (std::sqrt(3.0) * static_cast<double>(count)));
@@ -164,11 +175,11 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::u
   plan.loops.resize(loops.size());
   std::vector<std::int64_t> open_loops(component_count, 0);
   std::vector<std::int64_t> euler = surface.component_eulers();
-  std::vector<double> areas = surface.component_areas();
+  const std::vector<double>& capacities = density.component_capacities();
   for (std::size_t l = 0; l < loops.size(); ++l) {
-    MeasureLoop(surface, loops[l], &plan.loops[l]);
-    plan.loops[l].closed = loops[l].length < 3.0 * plan.spacing &&
-                           plan.loops[l].hole_area < 0.5 * areas[loops[l].component];
+    MeasureLoop(surface, density, loops[l], &plan.loops[l]);
+    plan.loops[l].closed = plan.loops[l].length < 3.0 * plan.spacing &&
+                           plan.loops[l].hole_capacity < 0.5 * capacities[loops[l].component];
     if (plan.loops[l].closed) {
       ++plan.closed_loops;
       ++euler[loops[l].component];
@@ -180,36 +191,26 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::u
   for (std::size_t c = 0; c < component_count; ++c) {
     least[c] = SmallestCount(euler[c], open_loops[c]);
   }
-  const auto fits = [&](const std::vector<std::int64_t>& shares) {
-    for (std::size_t c = 0; c < component_count; ++c) {
-      if (shares[c] < least[c]) return false;
-    }
-    return true;
-  };
-  const std::vector<std::int64_t> shares = Shares(areas, area, count);
-  if (!fits(shares)) {
-    // Start where the neediest component has its least and step over the rounding.
-    double bound = 0.0;
-    for (std::size_t c = 0; c < component_count; ++c) {
-      bound = std::max(bound,
-                       (static_cast<double>(least[c]) - 1.0) * area / std::max(areas[c], 1e-300));
-    }
-    auto candidate = std::max(count + 1, static_cast<std::int64_t>(std::min(bound, 1e15)));
-    for (int step = 0; step < 1000 && !fits(Shares(areas, area, candidate)); ++step) ++candidate;
-    *smallest = candidate;
+  if (component_count == 1 && count < least[0]) {
+    *smallest = least[0];
     return TooSmall(count);
   }
+  const std::vector<std::int64_t> shares = Shares(capacities, area, count);
 
   plan.components.resize(component_count);
   for (std::size_t c = 0; c < component_count; ++c) {
     ComponentPlan& component = plan.components[c];
     component.samples = shares[c];
-    double covered = areas[c];
+    if (component.samples < least[c]) {
+      plan.MakePoints(surface, static_cast<std::int32_t>(c));
+      continue;
+    }
+    double covered = capacities[c];
     std::vector<std::size_t> own;
     for (std::size_t l = 0; l < loops.size(); ++l) {
       if (loops[l].component != static_cast<std::int32_t>(c)) continue;
       if (plan.loops[l].closed) {
-        covered += plan.loops[l].hole_area;
+        covered += plan.loops[l].hole_capacity;
       } else {
         own.push_back(l);
       }
@@ -233,9 +234,14 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::u
       component.boundary_samples = total;
     }
     if (component.boundary_samples > component.samples || triangles() < 1) {
+      if (component_count > 1) {
+        plan.MakePoints(surface, static_cast<std::int32_t>(c));
+        continue;
+      }
       *smallest = std::max(
-          count + 1, static_cast<std::int64_t>(std::ceil(
-                         static_cast<double>(component.boundary_samples + 1) * area / areas[c])));
+          count + 1,
+          static_cast<std::int64_t>(std::ceil(static_cast<double>(component.boundary_samples + 1) *
+                                              area / capacities[c])));
       return TooSmall(count);
     }
     component.triangles = triangles();
@@ -244,11 +250,28 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::u
   return plan;
 }
 
+std::ptrdiff_t LoopPlan::Segment(double arc) const {
+  const auto after = std::upper_bound(start.begin(), start.end(), arc);
+  return std::max<std::ptrdiff_t>(0, after - start.begin() - 1);
+}
+
+void Plan::MakePoints(const Surface& surface, std::int32_t c) {
+  components[c].points = true;
+  components[c].boundary_samples = 0;
+  components[c].triangles = 0;
+  for (std::size_t l = 0; l < loops.size(); ++l) {
+    if (surface.boundary_loops()[l].component != c) continue;
+    closed_loops -= loops[l].closed;
+    loops[l].closed = false;
+    loops[l].arcs.clear();
+    loops[l].fixed.clear();
+  }
+}
+
 SurfacePoint PointOnLoop(const Surface& surface, const Plan& plan, std::int32_t index, double arc) {
   const LoopPlan& loop = plan.loops[index];
   const BoundaryLoop& chain = surface.boundary_loops()[index];
-  const auto after = std::upper_bound(loop.start.begin(), loop.start.end(), arc);
-  const auto i = std::max<std::ptrdiff_t>(0, after - loop.start.begin() - 1);
+  const std::ptrdiff_t i = loop.Segment(arc);
   const double begin = loop.start[i];
   const double end =
       i + 1 < static_cast<std::ptrdiff_t>(loop.start.size()) ? loop.start[i + 1] : loop.length;

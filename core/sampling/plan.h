@@ -1,21 +1,28 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/density/density.h"
 #include "core/surface/surface.h"
 
 namespace ccst {
 
-/// One boundary loop as a polyline with arc lengths, and where its samples start.
+/// One boundary loop as a polyline with arc lengths, and where its samples start. Arc lengths are
+/// weighed by the square root of the density, so that samples belong at equal distances.
 struct LoopPlan {
   bool closed = false;        ///< Too short for samples: closed in the sample mesh.
   std::vector<double> start;  ///< Arc length at which each of the loop's half-edges starts.
+  std::vector<double> rate;   ///< Per half-edge: arc length a unit of length, sqrt(density).
   double length = 0.0;
   std::vector<double> arcs;         ///< Arc lengths of the samples, increasing.
   std::vector<std::uint8_t> fixed;  ///< Per sample: lies at a corner and stays there.
-  double hole_area = 0.0;           ///< Area of the fan that closes it, when closed.
+  double hole_capacity = 0.0;       ///< Capacity of the fan that closes it, when closed.
+
+  /// The half-edge of the loop at `arc`, as an index into `start`.
+  std::ptrdiff_t Segment(double arc) const;
 };
 
 /// How many samples go where.
@@ -24,21 +31,29 @@ struct ComponentPlan {
   std::int64_t boundary_samples = 0;
   std::int64_t triangles = 0;  ///< Of the sample mesh.
   double target = 0.0;         ///< C*, the target capacity of a sample triangle.
+  bool points = false;         ///< Too small for a triangulation: samples stay as they are drawn.
 };
 
 struct Plan {
   std::vector<ComponentPlan> components;
   std::vector<LoopPlan> loops;
-  double spacing = 0.0;  ///< r_max = sqrt(2 A / (sqrt(3) n)), the hexagonal spacing.
+  /// r_max = sqrt(2 A / (sqrt(3) n)), the hexagonal spacing where the density is 1, its mean.
+  double spacing = 0.0;
   std::int64_t closed_loops = 0;
+
+  /// Hexagonal spacing where the density is `rho`.
+  double LocalSpacing(double rho) const { return spacing / std::sqrt(rho); }
+  /// Gives up the triangulation of component `c`; its samples stay as many.
+  void MakePoints(const Surface& surface, std::int32_t c);
 };
 
-/// Shares `count` samples out over components by area (largest remainders) and over boundary
+/// Shares `count` samples out over components by capacity (largest remainders) and over boundary
 /// loops by spacing; corners of a loop (turning by more than 60 degrees) get a sample that stays.
+/// Of several components those too small for a triangulation get points instead.
 /// @param smallest  set to the smallest larger count that may work when `count` is too small.
-/// @errors INVALID_ARGUMENT COUNT_TOO_SMALL.
-absl::StatusOr<Plan> MakePlan(const Surface& surface, std::int64_t count, std::uint64_t seed,
-                              std::int64_t* smallest);
+/// @errors INVALID_ARGUMENT COUNT_TOO_SMALL for the topology of the only component.
+absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density, std::int64_t count,
+                              std::uint64_t seed, std::int64_t* smallest);
 
 /// Point of loop `index` at arc length `arc` (taken modulo the length).
 SurfacePoint PointOnLoop(const Surface& surface, const Plan& plan, std::int32_t index, double arc);

@@ -56,13 +56,14 @@ constexpr int kPassesPerAlternation = 3;
 
 }  // namespace
 
-RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingOptions& options,
+RelaxationReport Relax(const Surface& surface, const Density& density, const Plan& plan,
+                       const SamplingOptions& options,
                        const std::function<void(const AlternationReport&)>& report,
                        Interrupt* interrupt, SampleMesh* mesh, Samples* samples) {
   RelaxationReport result;
-  GeometryPhase geometry(&surface, &plan, options.energy, mesh, samples);
+  GeometryPhase geometry(&surface, &density, &plan, options.energy, mesh, samples);
   EdgeFlips flips(mesh, &samples->position, &samples->normal);
-  const Coverage coverage(&surface, &plan);
+  const Coverage coverage(&surface, &density, &plan);
   Projection projection(&surface, 0.5 * plan.spacing);
 
   AlternationReport state;
@@ -105,8 +106,8 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
   std::vector<Defect> defects;
   const auto update_defects = [&] {
     std::erase_if(defects, [&](const Defect& d) { return changed[d.sample] != 0; });
-    const std::vector<Defect> fresh =
-        FindDefects(surface, plan, *mesh, *samples, kFinalLimits, kGraveLimits, changed, interrupt);
+    const std::vector<Defect> fresh = FindDefects(surface, density, plan, *mesh, *samples,
+                                                  kFinalLimits, kGraveLimits, changed, interrupt);
     defects.insert(defects.end(), fresh.begin(), fresh.end());
     std::sort(defects.begin(), defects.end(), [](const Defect& a, const Defect& b) {
       return a.sample != b.sample ? a.sample < b.sample : a.grave > b.grave;
@@ -116,13 +117,15 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
     std::fill(changed.begin(), changed.end(), std::uint8_t{0});
   };
   const auto find_everywhere = [&](const DefectLimits& limits) {
-    return FindDefects(surface, plan, *mesh, *samples, limits, limits, everywhere, interrupt);
+    return FindDefects(surface, density, plan, *mesh, *samples, limits, limits, everywhere,
+                       interrupt);
   };
   const auto relocate = [&](const std::vector<Defect>& crowded,
                             const std::vector<UncoveredPlace>& uncovered) {
     state.relocations =
         Relocate(crowded, uncovered, surface, &projection, &geometry, &flips, mesh, samples);
     if (state.relocations > 0) history.clear();
+    geometry.UpdateDensities();
   };
 
   const auto interrupted = [&] {
@@ -130,6 +133,7 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
                                                               : Termination::kStopped;
   };
 
+  if (mesh->triangle_count() == 0) return finish(Termination::kConverged);  // Points alone.
   int mends = 0;
   int failed = 0;
   while (result.alternations < options.max_iterations) {
@@ -147,6 +151,7 @@ RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingO
       for (std::size_t i = before; i < flips.touched.size(); ++i) {
         geometry.Activate(flips.touched[i]);
       }
+      geometry.UpdateDensities();
       ++result.passes;
     }
     ++result.alternations;

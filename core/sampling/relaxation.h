@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "core/base/interrupt.h"
+#include "core/density/density.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/run_control.h"
 #include "core/sampling/sample_mesh.h"
@@ -28,7 +29,8 @@ struct RelaxationReport {
 /// not worth fitting to the end. Calls `report` after every alternation and once, with alternation
 /// 0, before the first. `interrupt` is polled within alternations; once it is requested the
 /// relaxation ends with what it has: a whole sample mesh, every sample on the surface.
-RelaxationReport Relax(const Surface& surface, const Plan& plan, const SamplingOptions& options,
+RelaxationReport Relax(const Surface& surface, const Density& density, const Plan& plan,
+                       const SamplingOptions& options,
                        const std::function<void(const AlternationReport&)>& report,
                        Interrupt* interrupt, SampleMesh* mesh, Samples* samples);
 

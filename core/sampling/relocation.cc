@@ -86,10 +86,10 @@ double SmallestAngleCosine(const Samples& samples, std::int32_t a, std::int32_t 
 
 }  // namespace
 
-std::vector<Defect> FindDefects(const Surface& surface, const Plan& plan, const SampleMesh& mesh,
-                                const Samples& samples, const DefectLimits& limits,
-                                const DefectLimits& grave, const std::vector<std::uint8_t>& scope,
-                                Interrupt* interrupt) {
+std::vector<Defect> FindDefects(const Surface& surface, const Density& density, const Plan& plan,
+                                const SampleMesh& mesh, const Samples& samples,
+                                const DefectLimits& limits, const DefectLimits& grave,
+                                const std::vector<std::uint8_t>& scope, Interrupt* interrupt) {
   std::vector<Defect> found;
   const auto movable = [&](std::int32_t v) {
     return samples.kind[v] == SampleMesh::Kind::kInterior;
@@ -132,8 +132,14 @@ std::vector<Defect> FindDefects(const Surface& surface, const Plan& plan, const 
   const double aim = limits.least_separation * limits.least_separation;
   const double floor = grave.least_separation * grave.least_separation;
   const auto check_pair = [&](std::int32_t c, std::int32_t d) {
-    const double distance = (samples.position[c] - samples.position[d]).squaredNorm() /
-                            squared_spacing[samples.component[c]];
+    double distance = (samples.position[c] - samples.position[d]).squaredNorm() /
+                      squared_spacing[samples.component[c]];
+    if (!density.uniform()) {
+      // Where it changes fast the denser of the two ends decides.
+      const double footprint = 0.5 * plan.spacing * plan.spacing;
+      distance *= std::max(density.At(samples.face[c], samples.weights[c], footprint),
+                           density.At(samples.face[d], samples.weights[d], footprint));
+    }
     if (distance < aim &&
         FaceCross(surface, samples.face[c]).dot(FaceCross(surface, samples.face[d])) > 0.0) {
       blame({c, d}, distance < floor);
@@ -149,7 +155,7 @@ std::vector<Defect> FindDefects(const Surface& surface, const Plan& plan, const 
     Neighbourhood near(mesh);
     for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
       if (interrupt->RequestedAt(v)) break;
-      if (!scope[v]) continue;
+      if (!scope[v] || samples.kind[v] == SampleMesh::Kind::kPoint) continue;
       for (const std::int32_t u : near.Of(v, limits.reach)) {
         if (u > v || (u < v && !scope[u])) check_pair(v, u);
       }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/interrupt.h"
+#include "core/density/density.h"
 #include "core/sampling/coverage.h"
 #include "core/sampling/edge_flips.h"
 #include "core/sampling/geometry_phase.h"
@@ -39,10 +40,10 @@ struct Defect {
 /// @param limits, grave  what counts; `grave` is nowhere stricter than `limits`.
 /// @param scope  per sample: non-zero where to look.
 /// @param interrupt  when requested, the list is unfinished. Cost O(n + scope reach^2).
-std::vector<Defect> FindDefects(const Surface& surface, const Plan& plan, const SampleMesh& mesh,
-                                const Samples& samples, const DefectLimits& limits,
-                                const DefectLimits& grave, const std::vector<std::uint8_t>& scope,
-                                Interrupt* interrupt);
+std::vector<Defect> FindDefects(const Surface& surface, const Density& density, const Plan& plan,
+                                const SampleMesh& mesh, const Samples& samples,
+                                const DefectLimits& limits, const DefectLimits& grave,
+                                const std::vector<std::uint8_t>& scope, Interrupt* interrupt);
 
 /// Takes the sample of each defect out of the sample mesh and puts it where it is wanted: onto an
 /// uncovered place or into one of the triangles of largest capacity. The count stays exact. Samples

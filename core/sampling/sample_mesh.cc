@@ -13,22 +13,35 @@ void SampleMesh::SetTriangles(std::int32_t vertex_count,
   outgoing.assign(vertex_count, -1);
   std::vector<std::int32_t> start(vertex_count + 1, 0);
   for (std::int32_t h = 0; h < half_edges; ++h) {
-    origin[h] = triangles[h / 3][h % 3];
+    origin[h] = triangles[h / 3][0] < 0 ? -1 : triangles[h / 3][h % 3];
     ++start[origin[h] + 1];
   }
+  start[0] = 0;  // Where the dead were counted.
   for (std::int32_t v = 0; v < vertex_count; ++v) start[v + 1] += start[v];
   std::vector<std::int32_t> list(half_edges);
   std::vector<std::int32_t> fill(start.begin(), start.end() - 1);
-  for (std::int32_t h = 0; h < half_edges; ++h) list[fill[origin[h]]++] = h;
+  for (std::int32_t h = 0; h < half_edges; ++h) {
+    if (!IsDead(h / 3)) list[fill[origin[h]]++] = h;
+  }
   for (std::int32_t h = 0; h < half_edges; ++h) {
     const std::int32_t from = origin[h];
     const std::int32_t to = Target(h);
-    if (from > to) continue;
-    for (std::int32_t i = start[to]; i < start[to + 1]; ++i) {
-      if (Target(list[i]) == from) Pair(h, list[i]);
+    if (from < 0 || from > to) continue;
+    // From the end with fewer edges: a hub may have very many.
+    if (start[to + 1] - start[to] <= start[from + 1] - start[from]) {
+      for (std::int32_t i = start[to]; i < start[to + 1]; ++i) {
+        if (Target(list[i]) == from) Pair(h, list[i]);
+      }
+    } else {
+      for (std::int32_t i = start[from]; i < start[from + 1]; ++i) {
+        const std::int32_t into = Previous(list[i]);
+        if (origin[into] == to) Pair(h, into);
+      }
     }
   }
-  for (std::int32_t h = 0; h < half_edges; ++h) PointAt(h);
+  for (std::int32_t h = 0; h < half_edges; ++h) {
+    if (!IsDead(h / 3)) PointAt(h);
+  }
 }
 
 void SampleMesh::Pair(std::int32_t a, std::int32_t b) {

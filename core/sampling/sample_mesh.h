@@ -19,9 +19,12 @@ class SampleMesh {
     kInterior,  ///< Moves over the surface.
     kBoundary,  ///< Slides along a boundary loop.
     kFixed,     ///< A corner of a boundary loop.
+    kPoint,     ///< Stays where it was drawn and belongs to no triangle.
   };
 
-  /// Builds the arrays. @param triangles M x 3, an oriented manifold over `vertex_count` vertices.
+  /// Builds the arrays.
+  /// @param triangles  M x 3, an oriented manifold over `vertex_count` vertices; those that start
+  ///                   with -1 are dead from the start.
   void SetTriangles(std::int32_t vertex_count, const std::vector<Eigen::Vector3i>& triangles);
 
   std::int32_t vertex_count() const { return static_cast<std::int32_t>(outgoing.size()); }

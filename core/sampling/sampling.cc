@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -12,13 +13,18 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/interrupt.h"
 #include "core/base/status.h"
+#include "core/density/density.h"
 #include "core/mesh/attributes.h"
 #include "core/quality/distances.h"
-#include "core/sampling/attributes.h"
+#include "core/sampling/density_source.h"
+#include "core/sampling/export.h"
 #include "core/sampling/initial_mesh.h"
 #include "core/sampling/initial_points.h"
+#include "core/sampling/other_methods.h"
 #include "core/sampling/plan.h"
+#include "core/sampling/progressive_order.h"
 #include "core/sampling/relaxation.h"
+#include "core/sampling/source_map.h"
 #include "core/surface/surface.h"
 
 namespace ccst {
@@ -44,35 +50,12 @@ SurfaceSummary Summarise(const Surface& surface, const Plan& plan) {
   summary.boundary_loops = static_cast<std::int64_t>(surface.boundary_loops().size());
   for (const std::int64_t euler : surface.component_eulers()) summary.euler += euler;
   summary.closed_loops = plan.closed_loops;
-  summary.welded_vertices = surface.welded_vertices();
-  summary.isolated_vertices = surface.isolated_vertices();
+  for (const ComponentPlan& component : plan.components) {
+    if (!component.points) continue;
+    ++summary.untriangulated_components;
+    summary.untriangulated_samples += component.samples;
+  }
   return summary;
-}
-
-SampleSet Export(const TriangleMesh& mesh, const Samples& samples,
-                 const SampleMesh& triangulation) {
-  SampleSet set;
-  const std::int32_t n = samples.count();
-  set.faces = samples.face;
-  set.normals = samples.normal;
-  set.barycentrics.resize(n);
-  set.positions.resize(n);
-  for (std::int32_t i = 0; i < n; ++i) {
-    // The two weights that are reported determine the position; the third is what they leave.
-    const double u = std::clamp(samples.weights[i][0], 0.0, 1.0);
-    const double v = std::clamp(samples.weights[i][1], 0.0, 1.0 - u);
-    set.barycentrics[i] = {u, v};
-    const Eigen::Vector3i& face = mesh.faces[samples.face[i]];
-    set.positions[i] = u * mesh.positions[face[0]] + v * mesh.positions[face[1]] +
-                       (1.0 - u - v) * mesh.positions[face[2]];
-  }
-  set.triangles.reserve(triangulation.triangle_count());
-  for (std::int32_t t = 0; t < triangulation.triangle_count(); ++t) {
-    set.triangles.emplace_back(triangulation.origin[3 * t], triangulation.origin[3 * t + 1],
-                               triangulation.origin[3 * t + 2]);
-  }
-  set.attributes = InterpolateAttributes(mesh, set);
-  return set;
 }
 
 /// The initial samples and their triangulation.
@@ -83,29 +66,36 @@ struct Start {
 };
 
 /// @param smallest  set to the next count worth trying when this one is too small.
-absl::StatusOr<Start> TryStart(const Surface& surface, std::int64_t count, std::uint64_t seed,
-                               Interrupt* interrupt, std::int64_t* smallest) {
+absl::StatusOr<Start> TryStart(const Surface& surface, const Density& density, std::int64_t count,
+                               std::uint64_t seed, Interrupt* interrupt, std::int64_t* smallest) {
   Start start;
   *smallest = count + 1;
-  CCST_ASSIGN_OR_RETURN(start.plan, MakePlan(surface, count, seed, smallest));
-  start.samples = DrawInitialPoints(surface, start.plan, seed);
-  CCST_ASSIGN_OR_RETURN(start.mesh,
-                        BuildInitialMesh(surface, start.plan, start.samples, interrupt));
+  CCST_ASSIGN_OR_RETURN(start.plan, MakePlan(surface, density, count, seed, smallest));
+  start.samples = DrawInitialPoints(surface, density, start.plan, seed);
+  std::vector<std::int32_t> failed;
+  const bool several = start.plan.components.size() > 1;
+  CCST_ASSIGN_OR_RETURN(start.mesh, BuildInitialMesh(surface, start.plan, start.samples, interrupt,
+                                                     several ? &failed : nullptr));
+  if (failed.empty()) return start;
+  // Those components get points instead; drawing again changes nothing on the others.
+  for (const std::int32_t c : failed) start.plan.MakePoints(surface, c);
+  start.samples = DrawInitialPoints(surface, density, start.plan, seed);
   return start;
 }
 
 /// Like TryStart(); when the count is too small for the topology, the error names the next one
 /// that works with this seed.
-absl::StatusOr<Start> MakeStart(const Surface& surface, const SamplingOptions& options,
-                                Interrupt* interrupt) {
+absl::StatusOr<Start> MakeStart(const Surface& surface, const Density& density,
+                                const SamplingOptions& options, Interrupt* interrupt) {
   std::int64_t next = 0;
   absl::StatusOr<Start> start =
-      TryStart(surface, options.sample_count, options.seed, interrupt, &next);
+      TryStart(surface, density, options.sample_count, options.seed, interrupt, &next);
   constexpr int kMaxTries = 64;
   for (int attempt = 0; attempt < kMaxTries && next <= kMaxSampleCount; ++attempt) {
     if (start.ok() || GetErrorReason(start.status()) != ErrorReason::kCountTooSmall) return start;
     const std::int64_t count = next;
-    const absl::StatusOr<Start> other = TryStart(surface, count, options.seed, interrupt, &next);
+    const absl::StatusOr<Start> other =
+        TryStart(surface, density, count, options.seed, interrupt, &next);
     if (absl::IsCancelled(other.status())) return other.status();
     if (!other.ok()) continue;
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
@@ -116,8 +106,22 @@ absl::StatusOr<Start> MakeStart(const Surface& surface, const SamplingOptions& o
   return start;
 }
 
+/// How much wider than r_max samples belong apart, per sample; empty where the density is uniform.
+std::vector<double> SpacingScales(const Surface& surface, const Density& density,
+                                  const Samples& samples) {
+  std::vector<double> scales;
+  if (density.uniform()) return scales;
+  scales.resize(samples.position.size());
+  const double footprint = 0.5 * surface.area() / samples.count();
+  for (std::int32_t i = 0; i < samples.count(); ++i) {
+    scales[i] = 1.0 / std::sqrt(density.At(samples.face[i], samples.weights[i], footprint));
+  }
+  return scales;
+}
+
 /// Smallest distance between samples on the same side over the hexagonal spacing.
-double RelativeRadius(const Surface& surface, const Samples& samples) {
+double RelativeRadius(const Surface& surface, const Samples& samples,
+                      const std::vector<double>& scales) {
   std::vector<Eigen::Vector3d> normals(samples.position.size());
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const Eigen::Vector3i& face = surface.faces()[samples.face[i]];
@@ -126,11 +130,35 @@ double RelativeRadius(const Surface& surface, const Samples& samples) {
                      .cross(surface.positions()[face[2]] - corner)
                      .normalized();
   }
-  return quality::MeasureDistances(samples.position, normals, surface.area())
+  return quality::MeasureDistances(samples.position, normals, surface.area(), {}, scales)
       .relative_radius_same_side;
 }
 
+/// Every prefix well spread, but for white noise, whose own order is as random as it is.
+std::vector<std::int32_t> OrderSamples(const Surface& surface, const Samples& samples,
+                                       const std::vector<double>& scales,
+                                       const SamplingOptions& options) {
+  if (options.method == SamplingMethod::kWhiteNoise) {
+    std::vector<std::int32_t> order(samples.position.size());
+    std::iota(order.begin(), order.end(), 0);
+    return order;
+  }
+  return ProgressiveOrder(samples.position, samples.normal, scales,
+                          quality::HexagonalSpacing(surface.area(), samples.count()), options.seed);
+}
+
 }  // namespace
+
+int DefaultMaxIterations(SamplingMethod method) {
+  switch (method) {
+    case SamplingMethod::kLloyd:
+      return 100;
+    case SamplingMethod::kCcvt:
+      return 1000;
+    default:
+      return SamplingOptions().max_iterations;
+  }
+}
 
 absl::Status SamplingOptions::Validate() const {
   if (sample_count < kMinSampleCount || sample_count > kMaxSampleCount) {
@@ -148,6 +176,11 @@ absl::Status SamplingOptions::Validate() const {
   if (time_limit_seconds.has_value() && !(*time_limit_seconds > 0.0)) {
     return OptionError(
         absl::StrCat("time_limit_seconds is ", *time_limit_seconds, "; it must be greater than 0"));
+  }
+  CCST_RETURN_IF_ERROR(ValidateDensity(density));
+  if (!(weld_tolerance >= 0.0) || !std::isfinite(weld_tolerance)) {
+    return OptionError(absl::StrCat("weld_tolerance is ", weld_tolerance,
+                                    "; it must be a finite length, at least 0"));
   }
   if (thread_count < 1) {
     return OptionError(absl::StrCat("thread_count is ", thread_count, "; it must be at least 1"));
@@ -167,27 +200,26 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
     if (run.progress != nullptr) run.progress->OnPhase(phase);
   };
   enter(Phase::kPreparing);
-  CCST_ASSIGN_OR_RETURN(const Surface surface, Surface::Build(mesh, &stop));
+  CCST_ASSIGN_OR_RETURN(RepairedMesh repaired,
+                        Repair(mesh, {.weld_tolerance = options.weld_tolerance}, &stop));
+  CCST_ASSIGN_OR_RETURN(const Surface surface, Surface::Build(repaired.mesh, &stop));
+  const SourceMap sources(mesh, repaired);
+  repaired.mesh = {};  // From here on there is the surface.
   if (stop.Requested()) return absl::CancelledError("stopped before the first samples");
+  CCST_ASSIGN_OR_RETURN(const Density density,
+                        MakeDensity(mesh, sources, surface, options.density));
   SamplingResult result;
   result.prepare_seconds = SecondsSince(start);
 
-  enter(Phase::kInitializing);
-  CCST_ASSIGN_OR_RETURN(Start first, MakeStart(surface, options, &stop));
-  result.surface = Summarise(surface, first.plan);
-  result.initialise_seconds = SecondsSince(start) - result.prepare_seconds;
-
-  enter(Phase::kRelaxing);
   std::vector<Eigen::Vector3d> positions;
   const auto report = [&](const AlternationReport& alternation) {
     if (run.progress == nullptr) return;
     AlternationReport copy = alternation;
     copy.max_displacement *= surface.unit();
     copy.elapsed_seconds = SecondsSince(start);
-    positions.resize(first.samples.position.size());
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-      positions[i] = surface.ToMesh(first.samples.position[i]);
-    }
+    positions.resize(alternation.positions.size());
+    std::transform(alternation.positions.begin(), alternation.positions.end(), positions.begin(),
+                   [&](const Eigen::Vector3d& position) { return surface.ToMesh(position); });
     copy.positions = positions;
     run.progress->OnAlternation(copy);
   };
@@ -198,9 +230,29 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
     deadline =
         start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   }
+
+  enter(Phase::kInitializing);
+  Start first;
+  if (options.method == SamplingMethod::kCcst) {
+    CCST_ASSIGN_OR_RETURN(first, MakeStart(surface, density, options, &stop));
+  }
+  result.surface = Summarise(surface, first.plan);
+  result.surface.repairs = repaired.report;
+  result.initialise_seconds = SecondsSince(start) - result.prepare_seconds;
+
+  enter(Phase::kRelaxing);
   Interrupt interrupt(run.stop, deadline);
-  const RelaxationReport relaxed =
-      Relax(surface, first.plan, options, report, &interrupt, &first.mesh, &first.samples);
+  RelaxationReport relaxed;
+  if (options.method == SamplingMethod::kCcst) {
+    relaxed = Relax(surface, density, first.plan, options, report, &interrupt, &first.mesh,
+                    &first.samples);
+  } else {
+    // The others have nothing to return before they end.
+    const bool improves =
+        options.method == SamplingMethod::kLloyd || options.method == SamplingMethod::kCcvt;
+    CCST_ASSIGN_OR_RETURN(relaxed, RunOtherMethod(surface, density, options, report,
+                                                  improves ? &interrupt : &stop, &first.samples));
+  }
   result.termination = relaxed.termination;
   result.alternations = relaxed.alternations;
   result.passes = relaxed.passes;
@@ -210,9 +262,11 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
       SecondsSince(start) - result.prepare_seconds - result.initialise_seconds;
 
   enter(Phase::kFinalizing);
-  result.samples = Export(mesh, first.samples, first.mesh);
+  const std::vector<double> scales = SpacingScales(surface, density, first.samples);
+  result.samples = ExportSamples(mesh, sources, first.samples, first.mesh,
+                                 OrderSamples(surface, first.samples, scales, options));
   if (result.termination != Termination::kStopped) {
-    result.relative_radius = RelativeRadius(surface, first.samples);
+    result.relative_radius = RelativeRadius(surface, first.samples, scales);
   }
   return result;
 }

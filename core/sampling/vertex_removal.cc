@@ -91,10 +91,9 @@ class Removal {
 
 }  // namespace
 
-absl::StatusOr<std::int64_t> RemoveVertices(std::int32_t keep,
-                                            const std::vector<Eigen::Vector3d>& position,
-                                            const std::vector<Eigen::Vector3d>& normal,
-                                            Interrupt* interrupt, SampleMesh* mesh) {
+absl::StatusOr<std::vector<std::int32_t>> RemoveVertices(
+    std::int32_t keep, const std::vector<Eigen::Vector3d>& position,
+    const std::vector<Eigen::Vector3d>& normal, Interrupt* interrupt, SampleMesh* mesh) {
   std::vector<std::int32_t> waiting;
   for (std::int32_t v = keep; v < mesh->vertex_count(); ++v) {
     if (mesh->outgoing[v] >= 0) waiting.push_back(v);
@@ -141,7 +140,7 @@ absl::StatusOr<std::int64_t> RemoveVertices(std::int32_t keep,
     if (++flip_rounds > 16) break;
     for (const std::int32_t v : waiting) removal.FlipAny(v);
   }
-  return static_cast<std::int64_t>(waiting.size());
+  return waiting;
 }
 
 }  // namespace ccst

@@ -16,11 +16,10 @@ namespace ccst {
 /// another; in each, a vertex goes where the resulting triangles have the best shape and face the
 /// surface. Vertices that cannot go well wait for a later round with a lower demand.
 /// @param position, normal  per vertex. @param mesh  live triangles over all of them.
-/// @return how many vertices could not be removed; 0 unless `keep` is near the least the topology
-///         needs. @errors CANCELLED when `interrupt` was requested.
-absl::StatusOr<std::int64_t> RemoveVertices(std::int32_t keep,
-                                            const std::vector<Eigen::Vector3d>& position,
-                                            const std::vector<Eigen::Vector3d>& normal,
-                                            Interrupt* interrupt, SampleMesh* mesh);
+/// @return the vertices that could not be removed; none unless some component has hardly as many
+///         samples as its topology needs. @errors CANCELLED when `interrupt` was requested.
+absl::StatusOr<std::vector<std::int32_t>> RemoveVertices(
+    std::int32_t keep, const std::vector<Eigen::Vector3d>& position,
+    const std::vector<Eigen::Vector3d>& normal, Interrupt* interrupt, SampleMesh* mesh);
 
 }  // namespace ccst

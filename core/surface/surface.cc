@@ -1,17 +1,17 @@
 #include "core/surface/surface.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
-#include <unordered_map>
 #include <utility>
 
 #include <Eigen/Geometry>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
+#include "core/mesh/edges.h"
 #include "core/surface/closest_point.h"
 #include "core/surface/curvature.h"
 
@@ -53,51 +53,6 @@ absl::Status CheckNumbers(const TriangleMesh& mesh) {
   return absl::OkStatus();
 }
 
-struct PositionHash {
-  std::size_t operator()(const std::array<std::uint64_t, 3>& key) const {
-    std::uint64_t hash = 0;
-    for (const std::uint64_t part : key) {
-      hash = (hash ^ part) * 0x9e3779b97f4a7c15u;
-      hash ^= hash >> 29;
-    }
-    return hash;
-  }
-};
-
-/// Numbers the used vertices, equal positions once. @return V_in -> number or -1.
-std::vector<std::int32_t> MergeVertices(const TriangleMesh& mesh, Interrupt* interrupt,
-                                        std::int32_t* count, std::int64_t* welded,
-                                        std::int64_t* isolated) {
-  std::vector<std::uint8_t> used(mesh.positions.size(), 0);
-  for (const Eigen::Vector3i& face : mesh.faces) {
-    for (int k = 0; k < 3; ++k) used[face[k]] = 1;
-  }
-  std::vector<std::int32_t> number(mesh.positions.size(), -1);
-  std::unordered_map<std::array<std::uint64_t, 3>, std::int32_t, PositionHash> seen;
-  seen.reserve(mesh.positions.size());
-  *count = 0;
-  *welded = 0;
-  *isolated = 0;
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    if (interrupt->RequestedAt(static_cast<std::int64_t>(i))) break;
-    if (!used[i]) {
-      ++*isolated;
-      continue;
-    }
-    std::array<std::uint64_t, 3> key;
-    // Adding zero turns -0 into +0, which is the same place.
-    for (int k = 0; k < 3; ++k) key[k] = std::bit_cast<std::uint64_t>(mesh.positions[i][k] + 0.0);
-    const auto [entry, fresh] = seen.try_emplace(key, *count);
-    number[i] = entry->second;
-    if (fresh) {
-      ++*count;
-    } else {
-      ++*welded;
-    }
-  }
-  return number;
-}
-
 }  // namespace
 
 absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh, Interrupt* interrupt) {
@@ -110,18 +65,12 @@ absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh, Interrupt* inte
   CCST_RETURN_IF_ERROR(CheckNumbers(mesh));
 
   Surface surface;
-  std::int32_t count = 0;
-  const std::vector<std::int32_t> number = MergeVertices(
-      mesh, interrupt, &count, &surface.welded_vertices_, &surface.isolated_vertices_);
-  if (interrupt->Requested()) return Interrupted();
-  std::vector<std::int32_t> original(count, -1);
+  const auto count = static_cast<std::int32_t>(mesh.positions.size());
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high = -low;
-  for (std::size_t i = 0; i < number.size(); ++i) {
-    if (number[i] < 0 || original[number[i]] >= 0) continue;
-    original[number[i]] = static_cast<std::int32_t>(i);
-    low = low.cwiseMin(mesh.positions[i]);
-    high = high.cwiseMax(mesh.positions[i]);
+  for (const Eigen::Vector3d& position : mesh.positions) {
+    low = low.cwiseMin(position);
+    high = high.cwiseMax(position);
   }
   surface.center_ = 0.5 * low + 0.5 * high;
   const double half_extent = (0.5 * high - 0.5 * low).maxCoeff();
@@ -136,21 +85,19 @@ absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh, Interrupt* inte
 
   surface.positions_.resize(count);
   for (std::int32_t i = 0; i < count; ++i) {
-    surface.positions_[i] = (mesh.positions[original[i]] - surface.center_) / surface.unit_;
+    surface.positions_[i] = (mesh.positions[i] - surface.center_) / surface.unit_;
   }
   surface.diagonal_ = ((high - low) / surface.unit_).norm();
-  surface.faces_.resize(mesh.faces.size());
+  surface.faces_ = mesh.faces;
   surface.face_areas_.resize(mesh.faces.size());
   std::vector<Eigen::Vector3d> sums(count, Eigen::Vector3d::Zero());
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     if (interrupt->RequestedAt(static_cast<std::int64_t>(f))) return Interrupted();
-    const Eigen::Vector3i& in = mesh.faces[f];
-    const Eigen::Vector3i face(number[in[0]], number[in[1]], number[in[2]]);
+    const Eigen::Vector3i& face = mesh.faces[f];
     if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) {
-      return Degenerate(absl::StrCat("face ", f, " (", in[0], ", ", in[1], ", ", in[2],
-                                     ") uses one position twice; its three corners must differ"));
+      return Degenerate(absl::StrCat("face ", f, " (", face[0], ", ", face[1], ", ", face[2],
+                                     ") uses one vertex twice; its three corners must differ"));
     }
-    surface.faces_[f] = face;
     const Eigen::Vector3d normal =
         (surface.positions_[face[1]] - surface.positions_[face[0]])
             .cross(surface.positions_[face[2]] - surface.positions_[face[0]]);
@@ -162,8 +109,8 @@ absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh, Interrupt* inte
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kMeshEmpty,
                      "no face has a positive area; all of them are points or line segments");
   }
-  CCST_RETURN_IF_ERROR(surface.Connect(original, interrupt));
-  CCST_RETURN_IF_ERROR(surface.CheckVertices(original));
+  CCST_RETURN_IF_ERROR(surface.Connect(interrupt));
+  CCST_RETURN_IF_ERROR(surface.CheckVertices());
   if (interrupt->Requested()) return Interrupted();
   surface.FindComponentsAndLoops();
 
@@ -178,51 +125,41 @@ absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh, Interrupt* inte
   return surface;
 }
 
-absl::Status Surface::Connect(const std::vector<std::int32_t>& original_vertex,
-                              Interrupt* interrupt) {
-  const std::int32_t half_edges = 3 * face_count();
-  twins_.assign(half_edges, -1);
-  // Half-edges by their smaller vertex, as a compressed list.
-  std::vector<std::int32_t> start(positions_.size() + 1, 0);
-  for (std::int32_t h = 0; h < half_edges; ++h) ++start[std::min(Origin(h), Target(h)) + 1];
-  for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-  std::vector<std::int32_t> list(half_edges);
-  std::vector<std::int32_t> fill(start.begin(), start.end() - 1);
-  for (std::int32_t h = 0; h < half_edges; ++h) list[fill[std::min(Origin(h), Target(h))]++] = h;
-  const auto far_end = [&](std::int32_t h) { return std::max(Origin(h), Target(h)); };
-  for (std::int32_t v = 0; v < vertex_count(); ++v) {
-    if (interrupt->RequestedAt(v)) return Interrupted();
-    // Equal edges side by side, in the order of the faces.
-    std::sort(list.begin() + start[v], list.begin() + start[v + 1],
-              [&](std::int32_t a, std::int32_t b) {
-                return std::pair(far_end(a), a) < std::pair(far_end(b), b);
-              });
-    for (std::int32_t i = start[v]; i < start[v + 1]; ++i) {
-      const std::int32_t h = list[i];
-      const std::int32_t other = far_end(h);
-      for (std::int32_t j = i + 1; j < start[v + 1] && far_end(list[j]) == other; ++j) {
-        const std::int32_t g = list[j];
-        const std::string edge =
-            absl::StrCat("the edge between vertices ", original_vertex[v], " and ",
-                         original_vertex[other], " near ", Describe(ToMesh(positions_[v])));
-        if (twins_[h] >= 0 || twins_[g] >= 0) {
-          return NotManifold(absl::StrCat(edge, " is shared by more than two faces (", h / 3, ", ",
-                                          g / 3, ", ...); at most two may meet at an edge"));
-        }
-        if (Origin(h) == Origin(g)) {
-          return NotManifold(absl::StrCat(edge, " is traversed in the same direction by faces ",
-                                          h / 3, " and ", g / 3,
-                                          "; neighbouring faces must be oriented alike"));
-        }
-        twins_[h] = g;
-        twins_[g] = h;
-      }
+absl::Status Surface::Connect(Interrupt* interrupt) {
+  twins_.assign(3 * faces_.size(), -1);
+  absl::Status status;
+  std::int64_t edges = 0;
+  ForEachEdge(faces_, vertex_count(), [&](std::span<const std::int32_t> half_edges) {
+    if (interrupt->RequestedAt(edges++)) {
+      status = Interrupted();
+      return false;
     }
-  }
-  return absl::OkStatus();
+    if (half_edges.size() == 1) return true;
+    const std::int32_t h = half_edges[0];
+    const std::int32_t g = half_edges[1];
+    if (half_edges.size() == 2 && Origin(h) != Origin(g)) {
+      twins_[h] = g;
+      twins_[g] = h;
+      return true;
+    }
+    const std::int32_t low = std::min(Origin(h), Target(h));
+    const std::int32_t high = std::max(Origin(h), Target(h));
+    const std::string edge = absl::StrCat("the edge between vertices ", low, " and ", high,
+                                          " near ", Describe(ToMesh(positions_[low])));
+    if (half_edges.size() > 2) {
+      status = NotManifold(absl::StrCat(edge, " is shared by more than two faces (", h / 3, ", ",
+                                        g / 3, ", ...); at most two may meet at an edge"));
+    } else {
+      status =
+          NotManifold(absl::StrCat(edge, " is traversed in the same direction by faces ", h / 3,
+                                   " and ", g / 3, "; neighbouring faces must be oriented alike"));
+    }
+    return false;
+  });
+  return status;
 }
 
-absl::Status Surface::CheckVertices(const std::vector<std::int32_t>& original_vertex) {
+absl::Status Surface::CheckVertices() {
   const std::int32_t half_edges = 3 * face_count();
   outgoing_.assign(positions_.size(), -1);
   std::vector<std::int32_t> degree(positions_.size(), 0);
@@ -232,6 +169,10 @@ absl::Status Surface::CheckVertices(const std::vector<std::int32_t>& original_ve
     if (outgoing_[v] < 0 || twins_[h] < 0) outgoing_[v] = h;
   }
   for (std::int32_t v = 0; v < vertex_count(); ++v) {
+    if (degree[v] == 0) {
+      return NotManifold(absl::StrCat("vertex ", v, " at ", Describe(ToMesh(positions_[v])),
+                                      " belongs to no face; every vertex must"));
+    }
     std::int32_t seen = 0;
     std::int32_t h = outgoing_[v];
     do {
@@ -240,8 +181,8 @@ absl::Status Surface::CheckVertices(const std::vector<std::int32_t>& original_ve
     } while (h >= 0 && h != outgoing_[v] && seen <= degree[v]);
     if (seen != degree[v]) {
       return NotManifold(
-          absl::StrCat("vertex ", original_vertex[v], " at ", Describe(ToMesh(positions_[v])),
-                       " has ", degree[v], " faces of which only ", seen,
+          absl::StrCat("vertex ", v, " at ", Describe(ToMesh(positions_[v])), " has ", degree[v],
+                       " faces of which only ", seen,
                        " are connected around it; the faces at a vertex must form one fan"));
     }
   }

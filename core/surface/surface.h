@@ -30,11 +30,12 @@ struct BoundaryLoop {
 ///
 /// Coordinates are kept in a unit frame: moved by the centre of the bounding box and scaled by a
 /// power of two so that its longest side lies in [1/2, 1). All lengths here are in that frame.
-/// Half-edge 3 f + k goes from corner k of face f to corner k + 1. Faces keep the input's
-/// indices; vertices are those left after merging bitwise equal positions.
+/// Half-edge 3 f + k goes from corner k of face f to corner k + 1. Faces and vertices are those of
+/// the mesh; equal positions stay different vertices, which is how a cut is told from an edge.
 class Surface {
  public:
   /// Checks `mesh` and derives normals and curvature.
+  /// @param mesh  an oriented 2-manifold without vertices of no face; Repair() makes one of any.
   /// @errors INVALID_ARGUMENT MESH_DEGENERATE (non-finite coordinate, index out of range, a face
   ///         with a repeated vertex) | MESH_EMPTY (no face of positive area);
   ///         FAILED_PRECONDITION MESH_NOT_MANIFOLD naming the edge or vertex; CANCELLED when
@@ -67,8 +68,6 @@ class Surface {
   double area() const { return area_; }
   /// Diagonal of the bounding box.
   double diagonal() const { return diagonal_; }
-  std::int64_t welded_vertices() const { return welded_vertices_; }
-  std::int64_t isolated_vertices() const { return isolated_vertices_; }
 
   /// Length of one unit of this frame [mesh unit].
   double unit() const { return unit_; }
@@ -99,8 +98,8 @@ class Surface {
 
  private:
   Surface() = default;
-  absl::Status Connect(const std::vector<std::int32_t>& original_vertex, Interrupt* interrupt);
-  absl::Status CheckVertices(const std::vector<std::int32_t>& original_vertex);
+  absl::Status Connect(Interrupt* interrupt);
+  absl::Status CheckVertices();
   void FindComponentsAndLoops();
 
   std::vector<Eigen::Vector3d> positions_;
@@ -118,8 +117,6 @@ class Surface {
   double unit_ = 1.0;
   double area_ = 0.0;
   double diagonal_ = 0.0;
-  std::int64_t welded_vertices_ = 0;
-  std::int64_t isolated_vertices_ = 0;
 };
 
 }  // namespace ccst

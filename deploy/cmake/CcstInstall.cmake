@@ -6,7 +6,8 @@ include(GNUInstallDirs)
 
 # Sampling and every room it may link.
 set(targets)
-foreach(name IN ITEMS base random parallel mesh spatial surface repair density quality sampling)
+foreach(name IN ITEMS base random parallel mesh spatial surface repair density methods quality
+    sampling)
   if(NOT TARGET ccst_${name})
     continue()
   endif()
@@ -21,8 +22,9 @@ install(TARGETS ${targets} EXPORT ccst-targets ARCHIVE COMPONENT core)
 install(EXPORT ccst-targets NAMESPACE ccst:: DESTINATION "${package_dir}" COMPONENT core)
 
 # The public interface and what it includes.
-foreach(header IN ITEMS base/status.h mesh/triangle_mesh.h sampling/run_control.h
-    sampling/sampling.h)
+foreach(header IN ITEMS base/interrupt.h base/status.h density/image.h
+    mesh/triangle_mesh.h repair/repair.h
+    sampling/run_control.h sampling/sampling.h)
   get_filename_component(folder "${header}" DIRECTORY)
   install(FILES "${PROJECT_SOURCE_DIR}/core/${header}"
     DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/ccst/core/${folder}" COMPONENT core)

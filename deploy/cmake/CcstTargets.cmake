@@ -29,8 +29,9 @@ target_compile_options(ccst_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual
   -Woverloaded-virtual -Wimplicit-fallthrough -ffp-contract=off -fno-math-errno
   $<$<BOOL:${CCST_WERROR}>:-Werror>)
 if(CCST_SANITIZE)
+  # GCC takes instrumented code for uses of what is not initialised.
   target_compile_options(ccst_flags INTERFACE -fsanitize=${CCST_SANITIZE}
-    -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    -fno-sanitize-recover=all -fno-omit-frame-pointer -Wno-maybe-uninitialized)
   target_link_options(ccst_flags INTERFACE -fsanitize=${CCST_SANITIZE})
 endif()
 if(CCST_COVERAGE)

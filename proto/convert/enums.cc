@@ -40,6 +40,70 @@ v1::TerminationReason ToProto(Termination termination) {
   return v1::TERMINATION_REASON_UNSPECIFIED;
 }
 
+v1::CurvatureDensity::Measure ToProto(CurvatureMeasure measure) {
+  switch (measure) {
+    case CurvatureMeasure::kGaussian:
+      return v1::CurvatureDensity::MEASURE_GAUSSIAN;
+    case CurvatureMeasure::kMean:
+      return v1::CurvatureDensity::MEASURE_MEAN;
+    case CurvatureMeasure::kMaximum:
+      return v1::CurvatureDensity::MEASURE_MAXIMUM;
+  }
+  return v1::CurvatureDensity::MEASURE_UNSPECIFIED;
+}
+
+std::optional<CurvatureMeasure> FromProto(v1::CurvatureDensity::Measure measure) {
+  switch (measure) {
+    case v1::CurvatureDensity::MEASURE_UNSPECIFIED:
+    case v1::CurvatureDensity::MEASURE_GAUSSIAN:
+      return CurvatureMeasure::kGaussian;
+    case v1::CurvatureDensity::MEASURE_MEAN:
+      return CurvatureMeasure::kMean;
+    case v1::CurvatureDensity::MEASURE_MAXIMUM:
+      return CurvatureMeasure::kMaximum;
+    default:
+      return std::nullopt;
+  }
+}
+
+v1::SamplingMethod ToProto(SamplingMethod method) {
+  switch (method) {
+    case SamplingMethod::kCcst:
+      return v1::SAMPLING_METHOD_CCST;
+    case SamplingMethod::kWhiteNoise:
+      return v1::SAMPLING_METHOD_WHITE_NOISE;
+    case SamplingMethod::kPoissonDisk:
+      return v1::SAMPLING_METHOD_POISSON_DISK;
+    case SamplingMethod::kSampleElimination:
+      return v1::SAMPLING_METHOD_SAMPLE_ELIMINATION;
+    case SamplingMethod::kLloyd:
+      return v1::SAMPLING_METHOD_LLOYD;
+    case SamplingMethod::kCcvt:
+      return v1::SAMPLING_METHOD_CCVT;
+  }
+  return v1::SAMPLING_METHOD_UNSPECIFIED;
+}
+
+std::optional<SamplingMethod> FromProto(v1::SamplingMethod method) {
+  switch (method) {
+    case v1::SAMPLING_METHOD_UNSPECIFIED:
+    case v1::SAMPLING_METHOD_CCST:
+      return SamplingMethod::kCcst;
+    case v1::SAMPLING_METHOD_WHITE_NOISE:
+      return SamplingMethod::kWhiteNoise;
+    case v1::SAMPLING_METHOD_POISSON_DISK:
+      return SamplingMethod::kPoissonDisk;
+    case v1::SAMPLING_METHOD_SAMPLE_ELIMINATION:
+      return SamplingMethod::kSampleElimination;
+    case v1::SAMPLING_METHOD_LLOYD:
+      return SamplingMethod::kLloyd;
+    case v1::SAMPLING_METHOD_CCVT:
+      return SamplingMethod::kCcvt;
+    default:
+      return std::nullopt;
+  }
+}
+
 v1::AttributeKind ToProto(AttributeKind kind) {
   switch (kind) {
     case AttributeKind::kScalar:

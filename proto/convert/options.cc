@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "proto/convert/enums.h"
@@ -39,6 +40,84 @@ bool IsPositiveDuration(const google::protobuf::Duration& duration) {
          duration.nanos() < 1'000'000'000 && (duration.seconds() > 0 || duration.nanos() > 0);
 }
 
+template <typename Message>
+void SetShape(const DensityOptions& density, Message& message) {
+  message.set_exponent(density.exponent);
+  message.set_max_contrast(density.max_contrast);
+}
+
+void SetDensity(const DensityOptions& density, v1::SamplingOptions& message) {
+  switch (density.source) {
+    case DensitySource::kUniform:
+      break;
+    case DensitySource::kAttribute:
+      message.mutable_attribute()->set_attribute_name(density.attribute);
+      SetShape(density, *message.mutable_attribute());
+      break;
+    case DensitySource::kCurvature:
+      message.mutable_curvature()->set_measure(ToProto(density.measure));
+      SetShape(density, *message.mutable_curvature());
+      break;
+    case DensitySource::kTexture:
+      if (density.encoded_image != nullptr) {
+        message.mutable_texture()->set_image(*density.encoded_image);
+      }
+      message.mutable_texture()->set_bright_is_dense(density.bright_is_dense);
+      SetShape(density, *message.mutable_texture());
+      break;
+  }
+}
+
+template <typename Message>
+void TakeShape(const Message& message, const std::string& path, DensityOptions& density,
+               Violations& violations) {
+  if (message.has_exponent()) density.exponent = message.exponent();
+  if (!(density.exponent >= 0.0 && density.exponent <= kMaxDensityExponent)) {
+    violations.Add(path + ".exponent", "must be in [0, 4]");
+  }
+  if (message.has_max_contrast()) density.max_contrast = message.max_contrast();
+  if (!(density.max_contrast > 1.0 && density.max_contrast <= kMaxDensityContrast)) {
+    violations.Add(path + ".max_contrast", "must be above 1 and at most 1e6");
+  }
+}
+
+DensityOptions DensityFromProto(const v1::SamplingOptions& options, const RequestLimits& limits,
+                                const std::string& prefix, Violations& violations) {
+  DensityOptions density;
+  if (options.has_attribute()) {
+    density.source = DensitySource::kAttribute;
+    density.attribute = options.attribute().attribute_name();
+    if (density.attribute.empty()) {
+      violations.Add(prefix + "attribute.attribute_name", "is missing");
+    }
+    TakeShape(options.attribute(), prefix + "attribute", density, violations);
+  } else if (options.has_curvature()) {
+    density.source = DensitySource::kCurvature;
+    if (const auto measure = FromProto(options.curvature().measure())) {
+      density.measure = *measure;
+    } else {
+      violations.Add(prefix + "curvature.measure",
+                     "is " + std::to_string(options.curvature().measure()) +
+                         ", must be MEASURE_GAUSSIAN (1), MEASURE_MEAN (2) or MEASURE_MAXIMUM (3)");
+    }
+    TakeShape(options.curvature(), prefix + "curvature", density, violations);
+  } else if (options.has_texture()) {
+    density.source = DensitySource::kTexture;
+    density.bright_is_dense = options.texture().bright_is_dense();
+    const auto size = static_cast<std::int64_t>(options.texture().image().size());
+    if (size == 0) {
+      violations.Add(prefix + "texture.image", "is missing, must be a PNG or JPEG");
+    } else if (size > limits.max_texture_bytes) {
+      violations.AddLimit(prefix + "texture.image", "max_texture_bytes", limits.max_texture_bytes,
+                          size);
+    } else {
+      density.encoded_image = std::make_shared<const std::string>(options.texture().image());
+    }
+    TakeShape(options.texture(), prefix + "texture", density, violations);
+  }
+  return density;
+}
+
 }  // namespace
 
 v1::SamplingOptions ToProto(const SamplingOptions& options) {
@@ -47,7 +126,10 @@ v1::SamplingOptions ToProto(const SamplingOptions& options) {
   message.set_max_iterations(options.max_iterations);
   message.set_relative_tolerance(options.relative_tolerance);
   message.set_seed(options.seed);
+  message.set_method(ToProto(options.method));
   message.set_energy(ToProto(options.energy));
+  SetDensity(options.density, message);
+  message.set_weld_tolerance(options.weld_tolerance);
   if (options.time_limit_seconds.has_value()) {
     *message.mutable_time_limit() = DurationToProto(*options.time_limit_seconds);
   }
@@ -67,7 +149,14 @@ SamplingOptions FromProto(const v1::SamplingOptions& options, const RequestLimit
     violations.AddLimit(prefix + "sample_count", "max_sample_count", limits.max_sample_count,
                         result.sample_count);
   }
-  result.max_iterations = std::min(result.max_iterations, limits.max_iterations);
+  if (const auto method = FromProto(options.method())) {
+    result.method = *method;
+  } else {
+    violations.Add(prefix + "method", "is " + std::to_string(options.method()) +
+                                          ", must be a SamplingMethod, SAMPLING_METHOD_CCST (1) to "
+                                          "SAMPLING_METHOD_SAMPLE_ELIMINATION (6)");
+  }
+  result.max_iterations = std::min(DefaultMaxIterations(result.method), limits.max_iterations);
   if (options.has_max_iterations()) {
     result.max_iterations = options.max_iterations();
     if (result.max_iterations < 0) {
@@ -94,11 +183,16 @@ SamplingOptions FromProto(const v1::SamplingOptions& options, const RequestLimit
       violations.Add(prefix + "time_limit", "must be a valid duration above 0");
     }
   }
+  result.density = DensityFromProto(options, limits, prefix, violations);
   if (const auto energy = FromProto(options.energy())) {
     result.energy = *energy;
   } else {
     violations.Add(prefix + "energy", "is " + std::to_string(options.energy()) +
                                           ", must be ENERGY_TARGET (1) or ENERGY_SQUARED_AREA (2)");
+  }
+  result.weld_tolerance = options.weld_tolerance();
+  if (!std::isfinite(result.weld_tolerance) || result.weld_tolerance < 0.0) {
+    violations.Add(prefix + "weld_tolerance", "must be finite and at least 0");
   }
   return result;
 }

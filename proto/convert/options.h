@@ -21,6 +21,7 @@ struct RequestLimits {
   std::int64_t max_sample_count = kMaxSampleCount;
   int max_iterations = kMaxAlternations;
   double max_job_seconds = 3600.0;
+  std::int64_t max_texture_bytes = std::int64_t{16} << 20;
 };
 
 /// A checked `SampleRequest`, without the mesh's bytes.
@@ -31,7 +32,8 @@ struct SampleCall {
   bool has_origin = false;
 };
 
-/// `time_limit` is set where the options have one; `thread_count` does not travel.
+/// `time_limit` is set where the options have one; `thread_count` does not travel, and neither does
+/// a decoded image.
 v1::SamplingOptions ToProto(const SamplingOptions& options);
 
 /// Fills in defaults, and adds everything wrong to `violations` under `path` (for example

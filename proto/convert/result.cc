@@ -48,8 +48,18 @@ v1::SurfaceSummary ToProto(const SurfaceSummary& surface) {
   message.set_boundary_loop_count(surface.boundary_loops);
   message.set_euler_characteristic(surface.euler);
   message.set_closed_loop_count(surface.closed_loops);
-  message.set_welded_vertex_count(surface.welded_vertices);
-  message.set_isolated_vertex_count(surface.isolated_vertices);
+  message.set_welded_vertex_count(surface.repairs.welded_vertices);
+  message.set_isolated_vertex_count(surface.repairs.isolated_vertices);
+  message.set_repeated_index_face_count(surface.repairs.repeated_index_faces);
+  message.set_duplicate_face_count(surface.repairs.duplicate_faces);
+  message.set_degenerate_face_count(surface.repairs.degenerate_faces);
+  message.set_split_face_count(surface.repairs.split_faces);
+  message.set_cut_edge_count(surface.repairs.cut_edges);
+  message.set_non_orientable_cut_count(surface.repairs.non_orientable_cuts);
+  message.set_cut_vertex_count(surface.repairs.cut_vertices);
+  message.set_flipped_face_count(surface.repairs.flipped_faces);
+  message.set_untriangulated_component_count(surface.untriangulated_components);
+  message.set_untriangulated_sample_count(surface.untriangulated_samples);
   return message;
 }
 
@@ -63,8 +73,18 @@ SurfaceSummary FromProto(const v1::SurfaceSummary& surface) {
   summary.boundary_loops = surface.boundary_loop_count();
   summary.euler = surface.euler_characteristic();
   summary.closed_loops = surface.closed_loop_count();
-  summary.welded_vertices = surface.welded_vertex_count();
-  summary.isolated_vertices = surface.isolated_vertex_count();
+  summary.repairs.welded_vertices = surface.welded_vertex_count();
+  summary.repairs.isolated_vertices = surface.isolated_vertex_count();
+  summary.repairs.repeated_index_faces = surface.repeated_index_face_count();
+  summary.repairs.duplicate_faces = surface.duplicate_face_count();
+  summary.repairs.degenerate_faces = surface.degenerate_face_count();
+  summary.repairs.split_faces = surface.split_face_count();
+  summary.repairs.cut_edges = surface.cut_edge_count();
+  summary.repairs.non_orientable_cuts = surface.non_orientable_cut_count();
+  summary.repairs.cut_vertices = surface.cut_vertex_count();
+  summary.repairs.flipped_faces = surface.flipped_face_count();
+  summary.untriangulated_components = surface.untriangulated_component_count();
+  summary.untriangulated_samples = surface.untriangulated_sample_count();
   return summary;
 }
 

@@ -46,8 +46,9 @@ std::string WithPort(const std::string& listen, int port) {
 }
 
 void SetLimits(const ServerOptions& options, grpc::ServerBuilder& builder) {
-  const int receive =
-      static_cast<int>(options.request_limits.max_inline_mesh_bytes) + kRequestOverhead;
+  const int receive = static_cast<int>(options.request_limits.max_inline_mesh_bytes +
+                                       options.request_limits.max_texture_bytes) +
+                      kRequestOverhead;
   builder.SetMaxReceiveMessageSize(receive);
   builder.SetMaxSendMessageSize(kMaxSendBytes);
   grpc::ResourceQuota quota("ccst");

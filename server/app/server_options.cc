@@ -12,7 +12,9 @@ namespace ccst::server {
 namespace {
 
 // gRPC counts message sizes in 32 bits; a mebibyte is left for the rest of the request.
-constexpr std::int64_t kLargestInlineMesh = std::numeric_limits<std::int32_t>::max() - (2 << 20);
+constexpr std::int64_t kLargestTexture = std::int64_t{256} << 20;
+constexpr std::int64_t kLargestInlineMesh =
+    std::numeric_limits<std::int32_t>::max() - kLargestTexture - (2 << 20);
 constexpr std::int64_t kLargestCount = std::numeric_limits<std::int32_t>::max();
 constexpr double kLongestSeconds = 1e9;
 
@@ -41,6 +43,8 @@ absl::Status ServerOptions::Validate() const {
                                   "--max-queued-mesh-bytes"));
   CCST_RETURN_IF_ERROR(CheckRange(request_limits.max_inline_mesh_bytes, 1, kLargestInlineMesh,
                                   "--max-inline-mesh-bytes"));
+  CCST_RETURN_IF_ERROR(
+      CheckRange(request_limits.max_texture_bytes, 1, kLargestTexture, "--max-texture-bytes"));
   CCST_RETURN_IF_ERROR(CheckRange(request_limits.max_sample_count, kMinSampleCount, kMaxSampleCount,
                                   "--max-sample-count"));
   CCST_RETURN_IF_ERROR(

@@ -8,6 +8,7 @@
 
 #include "absl/time/clock.h"
 #include "core/io/draco_mesh.h"
+#include "core/io/image_file.h"
 #include "core/io/samples_digest.h"
 
 namespace ccst::server {
@@ -36,6 +37,7 @@ std::string NewUuid() {
 
 RunDependencies RealRunDependencies(const Clock& clock, const MeshLimits& mesh_limits) {
   return {.decode = DecodeDraco,
+          .decode_image = [](std::span<const char> bytes) { return DecodeImage(bytes); },
           .sample = SampleSurface,
           .digest = SamplesDigest,
           .clock = clock,

@@ -1,6 +1,7 @@
 #include "server/jobs/run_job.h"
 
 #include <exception>
+#include <memory>
 #include <new>
 #include <utility>
 
@@ -27,6 +28,14 @@ std::vector<std::string> WarningsOf(const SamplingResult& result) {
                        " boundary loops are too short for the sample spacing and are closed in "
                        "the sample mesh");
   }
+  if (surface.untriangulated_components > 0) {
+    warnings.push_back(
+        std::to_string(surface.untriangulated_components) + " of " +
+        std::to_string(surface.components) +
+        " components are too small for a triangulation at this sample_count; their " +
+        std::to_string(surface.untriangulated_samples) +
+        " samples are spread by capacity and belong to no sample triangle");
+  }
   if (result.termination == Termination::kTimeLimit) {
     warnings.push_back("the time limit ended the run after " + std::to_string(result.alternations) +
                        " alternations; the samples depend on the machine");
@@ -52,6 +61,11 @@ absl::StatusOr<JobResult> Compute(Job& job, const RunDependencies& dependencies)
     const std::string bytes = job.TakeMesh();
     CCST_ASSIGN_OR_RETURN(mesh, dependencies.decode(bytes, dependencies.mesh_limits));
   }
+  SamplingOptions options = job.options();
+  if (options.density.encoded_image != nullptr) {
+    CCST_ASSIGN_OR_RETURN(Image image, dependencies.decode_image(*options.density.encoded_image));
+    options.density.image = std::make_shared<const Image>(std::move(image));
+  }
   if (job.stop_token().stop_requested()) return stopped;
   JobResult result;
   result.queue_seconds = job.queue_seconds();
@@ -59,7 +73,7 @@ absl::StatusOr<JobResult> Compute(Job& job, const RunDependencies& dependencies)
   JobProgress progress(job);
   CCST_ASSIGN_OR_RETURN(
       result.run,
-      dependencies.sample(mesh, job.options(), {.stop = job.stop_token(), .progress = &progress}));
+      dependencies.sample(mesh, options, {.stop = job.stop_token(), .progress = &progress}));
   if (result.run.termination == Termination::kStopped) return stopped;
   result.samples_sha256 = dependencies.digest(result.run.samples);
   result.samples_bytes = LayoutBytes(result.run.samples);

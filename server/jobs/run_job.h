@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "core/density/image.h"
 #include "core/io/mesh_limits.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/sampling/sampling.h"
@@ -17,6 +18,8 @@ namespace ccst::server {
 struct RunDependencies {
   /// As DecodeDraco().
   std::function<absl::StatusOr<TriangleMesh>(std::span<const char>, const MeshLimits&)> decode;
+  /// As DecodeImage(), for texture densities.
+  std::function<absl::StatusOr<Image>(std::span<const char>)> decode_image;
   /// As SampleSurface().
   std::function<absl::StatusOr<SamplingResult>(const TriangleMesh&, const SamplingOptions&,
                                                const RunControl&)>
@@ -28,7 +31,7 @@ struct RunDependencies {
 };
 
 /// Computes `job`, which is RUNNING, on this thread and ends it. Exceptions end it too: memory
-/// that is not there with RESOURCE_EXHAUSTED OUT_OF_MEMORY, others with INTERNAL. The decoder
+/// that is not there with RESOURCE_EXHAUSTED OUT_OF_MEMORY, others with INTERNAL. The decoders
 /// cannot be interrupted, sampling can (see RunControl).
 void RunJob(Job& job, const RunDependencies& dependencies);
 

@@ -55,6 +55,9 @@ v1::Job ToProto(const JobView& view, const std::optional<Eigen::Vector3d>& origi
   v1::Job job;
   job.set_name(view.name);
   *job.mutable_effective_options() = ccst::ToProto(view.options);
+  if (job.effective_options().has_texture()) {
+    job.mutable_effective_options()->mutable_texture()->clear_image();
+  }
   job.set_state(ToProto(view.state));
   job.set_queue_position(view.queue_position);
   if (view.phase.has_value()) {

@@ -17,6 +17,7 @@ v1::ServerLimits ToProto(const RequestLimits& request, const MeshLimits& mesh,
   limits.set_max_face_count(mesh.max_faces);
   limits.set_max_sample_count(request.max_sample_count);
   limits.set_max_iterations(request.max_iterations);
+  limits.set_max_texture_bytes(request.max_texture_bytes);
   limits.set_max_queued_jobs(runner.max_queued_jobs);
   limits.set_max_running_jobs(runner.max_running_jobs);
   *limits.mutable_max_job_duration() = DurationToProto(request.max_job_seconds);

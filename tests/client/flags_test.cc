@@ -26,6 +26,7 @@ TEST(Flags, SampleTakesDefaults) {
   EXPECT_EQ(command.options.sample_count, 500);
   EXPECT_EQ(command.options.seed, 0U);
   EXPECT_EQ(command.options.energy, Energy::kTarget);
+  EXPECT_EQ(command.options.weld_tolerance, 0.0);
   EXPECT_EQ(command.options.max_iterations, SamplingOptions().max_iterations);
   EXPECT_EQ(command.options.relative_tolerance, SamplingOptions().relative_tolerance);
   EXPECT_FALSE(command.options.time_limit_seconds.has_value());
@@ -51,6 +52,8 @@ TEST(Flags, SampleTakesEveryFlag) {
                                                       "18446744073709551615",
                                                       "--energy",
                                                       "squared-area",
+                                                      "--weld-tolerance",
+                                                      "0.01",
                                                       "--max-iterations",
                                                       "7",
                                                       "--tolerance",
@@ -69,6 +72,7 @@ TEST(Flags, SampleTakesEveryFlag) {
   EXPECT_EQ(command.summary_path, "s.json");
   EXPECT_EQ(command.options.seed, 18446744073709551615U);
   EXPECT_EQ(command.options.energy, Energy::kSquaredArea);
+  EXPECT_EQ(command.options.weld_tolerance, 0.01);
   EXPECT_EQ(command.options.max_iterations, 7);
   EXPECT_EQ(command.options.relative_tolerance, 0.5);
   EXPECT_EQ(command.options.time_limit_seconds, 1.5);

@@ -7,7 +7,10 @@
 namespace ccst::cli {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 SampleOutcome Outcome() {
   SampleOutcome outcome;
@@ -27,8 +30,18 @@ SampleOutcome Outcome() {
                             .boundary_loops = 2,
                             .euler = 0,
                             .closed_loops = 3,
-                            .welded_vertices = 4,
-                            .isolated_vertices = 5};
+                            .untriangulated_components = 6,
+                            .untriangulated_samples = 7,
+                            .repairs = {.welded_vertices = 4,
+                                        .repeated_index_faces = 8,
+                                        .duplicate_faces = 9,
+                                        .degenerate_faces = 10,
+                                        .split_faces = 11,
+                                        .cut_edges = 12,
+                                        .non_orientable_cuts = 13,
+                                        .cut_vertices = 14,
+                                        .flipped_faces = 15,
+                                        .isolated_vertices = 5}};
   outcome.record.samples_sha256 = "abc";
   outcome.record.decode_seconds = 0.5;
   outcome.record.total_seconds = 1.5;
@@ -63,9 +76,14 @@ TEST(Summary, HasTheKeysOfTheContract) {
   EXPECT_EQ(surface.at("components"), 1);
   EXPECT_EQ(surface.at("boundary_loops"), 2);
   EXPECT_EQ(surface.at("euler"), 0);
-  EXPECT_EQ(surface.at("repairs").at("welded_vertices"), 4);
-  EXPECT_EQ(surface.at("repairs").at("isolated_vertices"), 5);
-  EXPECT_EQ(surface.at("repairs").at("closed_loops"), 3);
+  EXPECT_EQ(surface.at("untriangulated_components"), 6);
+  EXPECT_EQ(surface.at("untriangulated_samples"), 7);
+  const nlohmann::json repairs = {
+      {"welded_vertices", 4}, {"isolated_vertices", 5}, {"repeated_index_faces", 8},
+      {"duplicate_faces", 9}, {"degenerate_faces", 10}, {"split_faces", 11},
+      {"cut_edges", 12},      {"cut_vertices", 14},     {"non_orientable_cuts", 13},
+      {"flipped_faces", 15},  {"closed_loops", 3}};
+  EXPECT_EQ(surface.at("repairs"), repairs);
   for (const char* key : {"decode", "prepare", "initialise", "optimise", "total"}) {
     EXPECT_TRUE(json.at("seconds").at(key).is_number()) << key;
   }
@@ -87,6 +105,18 @@ TEST(Summary, TextNamesTheFigures) {
        {"12 samples", "20 triangles", "here:1", "time limit", "25.00 %", "0.700"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
+}
+
+TEST(Summary, TextSaysWhatWasRepairedAndWhatIsNotTriangulated) {
+  SampleOutcome outcome = Outcome();
+  EXPECT_THAT(SummaryText(Remote(), outcome),
+              AllOf(HasSubstr("repaired: 4 vertices welded"), HasSubstr("12 edges of three"),
+                    HasSubstr("15 faces turned over\n"), HasSubstr("6 of 1 components"),
+                    HasSubstr("7 samples")));
+  outcome.result.surface.repairs = {};
+  outcome.result.surface.untriangulated_components = 0;
+  EXPECT_THAT(SummaryText(Remote(), outcome),
+              Not(AnyOf(HasSubstr("repaired"), HasSubstr("components"))));
 }
 
 }  // namespace

@@ -126,8 +126,8 @@ std::string Describe(const quality::SamplePair& pair, const SampleSet& samples,
 
 }  // namespace
 
-ReferenceSurface::ReferenceSurface(const TriangleMesh& input)
-    : mesh_(Weld(input)),
+ReferenceSurface::ReferenceSurface(const TriangleMesh& input, Welding welding)
+    : mesh_(welding == Welding::kNone ? input : Weld(input)),
       tree_(mesh_.positions, mesh_.faces),
       topology_(
           quality::MeasureTopology(static_cast<std::int64_t>(mesh_.positions.size()), mesh_.faces)),

@@ -11,15 +11,18 @@
 
 namespace ccst::figures {
 
+/// Whether vertices of equal position are one; where a mesh was cut they are not.
+enum class Welding { kEqualPositions, kNone };
+
 /// A surface prepared to be judged against. Built without any code of the sampler.
 class ReferenceSurface {
  public:
   /// @param input  as given to the sampler: indices in range, coordinates finite and of a size
   ///               whose square does not overflow, some area.
-  explicit ReferenceSurface(const TriangleMesh& input);
+  explicit ReferenceSurface(const TriangleMesh& input, Welding welding = Welding::kEqualPositions);
 
-  /// The faces of the input in their order, vertices of equal position merged and those of no
-  /// face dropped.
+  /// The faces of the input in their order; with welding, vertices of equal position merged and
+  /// those of no face dropped.
   const TriangleMesh& mesh() const { return mesh_; }
   const quality::TriangleTree& tree() const { return tree_; }
   const quality::MeshTopology& topology() const { return topology_; }

@@ -38,6 +38,7 @@ TEST(SampleRequest, UnsetFieldsTakeTheCoresDefaults) {
   EXPECT_EQ(call->options.relative_tolerance, defaults.relative_tolerance);
   EXPECT_EQ(call->options.seed, defaults.seed);
   EXPECT_EQ(call->options.energy, defaults.energy);
+  EXPECT_EQ(call->options.weld_tolerance, defaults.weld_tolerance);
   EXPECT_EQ(call->options.time_limit_seconds, RequestLimits{}.max_job_seconds);
   EXPECT_FALSE(call->has_origin);
   EXPECT_EQ(call->preview_sample_count, 0);
@@ -62,15 +63,17 @@ TEST(SampleRequest, EverythingWrongIsNamedAtOnce) {
   options->set_relative_tolerance(0.0);
   options->mutable_time_limit()->set_seconds(-1);
   options->set_energy(static_cast<v1::Energy>(77));
+  options->set_weld_tolerance(-1.0);
   request.set_preview_sample_count(-1);
   const auto call = FromProto(request);
   ASSERT_FALSE(call.ok());
   EXPECT_EQ(call.status().code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(WrongFields(call.status()),
-            (std::set<std::string>{"inline_mesh.format", "inline_mesh.data", "inline_mesh.origin",
-                                   "options.sample_count", "options.max_iterations",
-                                   "options.relative_tolerance", "options.time_limit",
-                                   "options.energy", "preview_sample_count"}));
+  EXPECT_EQ(
+      WrongFields(call.status()),
+      (std::set<std::string>{"inline_mesh.format", "inline_mesh.data", "inline_mesh.origin",
+                             "options.sample_count", "options.max_iterations",
+                             "options.relative_tolerance", "options.time_limit", "options.energy",
+                             "options.weld_tolerance", "preview_sample_count"}));
 }
 
 TEST(SampleRequest, EmptyOneSaysWhatIsMissing) {

@@ -69,6 +69,7 @@ RunDependencies FakeDependencies(SampleFunction sample) {
   return {.decode = [](std::span<const char>, const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
             return TriangleMesh();
           },
+          .decode_image = [](std::span<const char>) -> absl::StatusOr<Image> { return Image(); },
           .sample = std::move(sample),
           .digest = [](const SampleSet&) { return std::string("digest"); },
           .clock = {.now = [] { return absl::FromUnixSeconds(1'700'000'000); },

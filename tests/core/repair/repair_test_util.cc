@@ -28,6 +28,7 @@ void ExpectCountsAddUp(const TriangleMesh& mesh, const RepairedMesh& result) {
 void ExpectFacesOnTheirSources(const TriangleMesh& mesh, const RepairOptions& options,
                                const RepairedMesh& result) {
   ASSERT_EQ(result.source_face.size(), result.mesh.faces.size());
+  ASSERT_EQ(result.source_corner.size(), result.mesh.faces.size());
   for (std::size_t f = 0; f < result.mesh.faces.size(); ++f) {
     const std::int32_t source = result.source_face[f];
     ASSERT_GE(source, 0);
@@ -40,7 +41,14 @@ void ExpectFacesOnTheirSources(const TriangleMesh& mesh, const RepairOptions& op
         std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector3d& p = result.mesh.positions[result.mesh.faces[f][k]];
-      if (p == a || p == b || p == c) continue;
+      const int corner = result.source_corner[f][k];
+      ASSERT_GE(corner, -1);
+      ASSERT_LT(corner, 3);
+      if (corner >= 0) {
+        const double moved = (p - mesh.positions[t[corner]]).stableNorm();
+        ASSERT_LE(moved, 2.0 * options.weld_tolerance) << "corner " << k << " of face " << f;
+        continue;
+      }
       const Eigen::Vector3d w = ClosestWeights(p, a, b, c);
       const double distance = (w[0] * a + w[1] * b + w[2] * c - p).stableNorm();
       ASSERT_LE(distance, 2.0 * options.weld_tolerance + 1e-14 * reach) << "face " << f;

@@ -43,7 +43,8 @@ int CountNotDelaunay(const SampleMesh& mesh, const std::vector<Eigen::Vector3d>&
 Start Moved(const TriangleMesh& mesh, std::int64_t count) {
   Interrupt never;
   Start start = *MakeStart(mesh, count, 5);
-  GeometryPhase geometry(&start.surface, &start.plan, Energy::kTarget, &start.mesh, &start.samples);
+  GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
+                         &start.samples);
   for (int pass = 0; pass < 10; ++pass) geometry.Pass(&never);
   return start;
 }
@@ -128,7 +129,8 @@ TEST(EdgeFlips, SpoiltEdgesOfThePassesAreEnough) {
   Interrupt never;
   Start start = *MakeStart(shapes::Torus(1, 0.4, 80, 40), 1500, 5);
   EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
-  GeometryPhase geometry(&start.surface, &start.plan, Energy::kTarget, &start.mesh, &start.samples);
+  GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
+                         &start.samples);
   for (int round = 0; round < 40; ++round) {
     geometry.Pass(&never);
     flips.touched.clear();

@@ -64,7 +64,8 @@ double RingSpacing(const Start& start, std::int32_t v) {
 Start OneFree(const TriangleMesh& mesh, std::int64_t count, std::int32_t* v, int which) {
   Interrupt never;
   Start start = *MakeStart(mesh, count, 3);
-  GeometryPhase settle(&start.surface, &start.plan, Energy::kTarget, &start.mesh, &start.samples);
+  GeometryPhase settle(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
+                       &start.samples);
   for (int pass = 0; pass < 2; ++pass) settle.Pass(&never);
   *v = InnerSamples(start, which + 1).back();
   for (std::int32_t u = 0; u < start.samples.count(); ++u) {
@@ -110,8 +111,8 @@ void ExpectNewtonStep(const TriangleMesh& mesh, std::int64_t count, double k1, d
     const Eigen::Vector2d expected = -hessian.inverse() * gradient;
     // Longer steps are cut short.
     if (expected.norm() > 0.3 * spacing) continue;
-    GeometryPhase geometry(&start.surface, &start.plan, Energy::kSquaredArea, &start.mesh,
-                           &start.samples);
+    GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kSquaredArea,
+                           &start.mesh, &start.samples);
     geometry.stretch = 1.0;
     geometry.rest = 1e-9;
     geometry.Pass(&never);
@@ -143,7 +144,8 @@ void ExpectMinimum(const TriangleMesh& mesh, std::int64_t count, Energy energy, 
     std::int32_t v = -1;
     Start start = OneFree(mesh, count, &v, which);
     const double before = RingEnergy(start, v, start.samples.position[v], energy);
-    GeometryPhase geometry(&start.surface, &start.plan, energy, &start.mesh, &start.samples);
+    GeometryPhase geometry(&start.surface, &start.density, &start.plan, energy, &start.mesh,
+                           &start.samples);
     geometry.rest = 1e-7;
     for (int pass = 0; pass < 60; ++pass) geometry.Pass(&never);
     const Eigen::Vector3d s = start.samples.position[v];
@@ -200,7 +202,8 @@ TEST(GeometryPhase, EnergyNeverRises) {
       for (std::uint64_t seed = 0; seed < 2; ++seed) {
         SCOPED_TRACE(shape.name);
         Start start = *MakeStart(shape.mesh, 500, seed);
-        GeometryPhase geometry(&start.surface, &start.plan, energy, &start.mesh, &start.samples);
+        GeometryPhase geometry(&start.surface, &start.density, &start.plan, energy, &start.mesh,
+                               &start.samples);
         double last = geometry.MeasureCapacities().energy;
         const double first = last;
         for (int pass = 0; pass < 25; ++pass) {
@@ -223,8 +226,8 @@ TEST(GeometryPhase, PassesTurnNoTriangleOver) {
     const std::vector<Eigen::Vector3i> triangles = Triangles(start.mesh);
     const std::int64_t before =
         quality::CountTurnedOver(start.samples.position, start.samples.normal, triangles);
-    GeometryPhase geometry(&start.surface, &start.plan, Energy::kTarget, &start.mesh,
-                           &start.samples);
+    GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
+                           &start.mesh, &start.samples);
     for (int pass = 0; pass < 20; ++pass) geometry.Pass(&never);
     EXPECT_LE(quality::CountTurnedOver(start.samples.position, start.samples.normal, triangles),
               before);
@@ -237,8 +240,8 @@ TEST(GeometryPhase, SamplesStayOnTheSurfaceAndOnTheirLoops) {
     SCOPED_TRACE(shape.name);
     Start start = *MakeStart(shape.mesh, 400, 1);
     const Samples before = start.samples;
-    GeometryPhase geometry(&start.surface, &start.plan, Energy::kTarget, &start.mesh,
-                           &start.samples);
+    GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
+                           &start.mesh, &start.samples);
     for (int pass = 0; pass < 10; ++pass) geometry.Pass(&never);
     const Samples& now = start.samples;
     for (std::int32_t v = 0; v < now.count(); ++v) {
@@ -265,8 +268,8 @@ TEST(GeometryPhase, SamplesStayOnTheSurfaceAndOnTheirLoops) {
 TEST(GeometryPhase, SpreadAgreesWithTheQualityRoom) {
   const Start made = *MakeStart(shapes::Icosphere(3), 700, 2);
   Start start = made;
-  const GeometryPhase geometry(&start.surface, &start.plan, Energy::kTarget, &start.mesh,
-                               &start.samples);
+  const GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
+                               &start.mesh, &start.samples);
   const quality::CapacityFigures figures =
       quality::MeasureCapacities(start.samples.position, Triangles(start.mesh));
   EXPECT_NEAR(geometry.MeasureCapacities().cv, figures.cv, 1e-9);
@@ -278,7 +281,8 @@ TEST(GeometryPhase, SpreadAgreesWithTheQualityRoom) {
 TEST(GeometryPhase, OnlyActiveSamplesMove) {
   Interrupt never;
   Start start = *MakeStart(shapes::Icosphere(3), 500, 2);
-  GeometryPhase geometry(&start.surface, &start.plan, Energy::kTarget, &start.mesh, &start.samples);
+  GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
+                         &start.samples);
   geometry.DeactivateAll();
   const std::vector<Eigen::Vector3d> before = start.samples.position;
   EXPECT_EQ(geometry.Pass(&never), 0.0);
@@ -300,7 +304,8 @@ TEST(GeometryPhase, OnlyActiveSamplesMove) {
 TEST(GeometryPhase, ManyPassesAndNoFlipsComeToRest) {
   Interrupt never;
   Start start = *MakeStart(shapes::Icosphere(3), 300, 2);
-  GeometryPhase geometry(&start.surface, &start.plan, Energy::kTarget, &start.mesh, &start.samples);
+  GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
+                         &start.samples);
   int passes = 0;
   while (passes < 2000 && geometry.Pass(&never) > 0.0) ++passes;
   EXPECT_LT(passes, 2000);

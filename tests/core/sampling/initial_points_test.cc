@@ -14,42 +14,6 @@
 namespace ccst {
 namespace {
 
-// Index of the small triangle that holds the point: barycentric coordinates in units of 1 / 2^level
-// rounded down name a lattice triangle, pointing up or down.
-std::pair<std::pair<int, int>, bool> CellOf(const Eigen::Vector3d& weights, int level) {
-  const double size = std::ldexp(1.0, level);
-  const int i = static_cast<int>(weights[0] * size);
-  const int j = static_cast<int>(weights[1] * size);
-  const double rest = weights[0] * size - i + weights[1] * size - j;
-  return {{i, j}, rest > 1.0};
-}
-
-TEST(TriangleCurve, VisitsEveryCellOnceAndPreservesArea) {
-  for (int level = 1; level <= 6; ++level) {
-    const int cells = 1 << (2 * level);
-    std::set<std::pair<std::pair<int, int>, bool>> seen;
-    for (int c = 0; c < cells; ++c) {
-      // All points of one interval of the curve lie in one cell.
-      const auto cell = CellOf(TriangleCurve((c + 0.5) / cells), level);
-      EXPECT_EQ(CellOf(TriangleCurve((c + 0.1) / cells), level), cell);
-      EXPECT_EQ(CellOf(TriangleCurve((c + 0.9) / cells), level), cell);
-      seen.insert(cell);
-    }
-    EXPECT_EQ(seen.size(), static_cast<std::size_t>(cells));
-  }
-}
-
-TEST(TriangleCurve, StaysInsideTheTriangle) {
-  const CounterRandom random(1, 1);
-  for (int i = 0; i < 1000; ++i) {
-    const Eigen::Vector3d w = TriangleCurve(i == 0   ? 0.0
-                                            : i == 1 ? 1.0 - 0x1.0p-53
-                                                     : random.Uniform(i));
-    EXPECT_GE(w.minCoeff(), 0.0);
-    EXPECT_NEAR(w.sum(), 1.0, 1e-12);
-  }
-}
-
 struct Drawn {
   Surface surface;
   Plan plan;
@@ -59,8 +23,8 @@ struct Drawn {
 Drawn Draw(const TriangleMesh& mesh, std::int64_t count, std::uint64_t seed) {
   Surface surface = *Surface::Build(mesh);
   std::int64_t smallest = 0;
-  Plan plan = *MakePlan(surface, count, seed, &smallest);
-  Samples samples = DrawInitialPoints(surface, plan, seed);
+  Plan plan = *MakePlan(surface, Density::Uniform(surface), count, seed, &smallest);
+  Samples samples = DrawInitialPoints(surface, Density::Uniform(surface), plan, seed);
   return {std::move(surface), std::move(plan), std::move(samples)};
 }
 
@@ -142,9 +106,10 @@ TEST(DrawInitialPoints, FacesWithoutAreaAreFine) {
   const absl::StatusOr<Surface> surface = Surface::Build(mesh);
   ASSERT_TRUE(surface.ok()) << surface.status();
   std::int64_t smallest = 0;
-  const absl::StatusOr<Plan> plan = MakePlan(*surface, 300, 0, &smallest);
+  const absl::StatusOr<Plan> plan =
+      MakePlan(*surface, Density::Uniform(*surface), 300, 0, &smallest);
   ASSERT_TRUE(plan.ok()) << plan.status();
-  const Samples samples = DrawInitialPoints(*surface, *plan, 0);
+  const Samples samples = DrawInitialPoints(*surface, Density::Uniform(*surface), *plan, 0);
   EXPECT_EQ(samples.count(), 300);
   for (const Eigen::Vector3d& p : samples.position) EXPECT_TRUE(p.allFinite());
 }

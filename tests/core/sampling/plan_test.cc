@@ -17,7 +17,7 @@ namespace {
 
 absl::StatusOr<Plan> Make(const Surface& surface, std::int64_t count, std::uint64_t seed) {
   std::int64_t smallest = 0;
-  return MakePlan(surface, count, seed, &smallest);
+  return MakePlan(surface, Density::Uniform(surface), count, seed, &smallest);
 }
 
 TEST(MakePlan, ComponentsGetLargestRemainders) {
@@ -117,16 +117,28 @@ TEST(MakePlan, ShortLoopsAreClosedAndCounted) {
   EXPECT_GE(many.loops[0].arcs.size(), 3u);
 }
 
+TEST(MakePlan, ComponentTooSmallForTrianglesGetsPoints) {
+  const std::vector<TriangleMesh> parts = {
+      shapes::Icosphere(2), shapes::Moved(shapes::SphereWithHole(0.8, 10, 20), {5, 0, 0}, 0.2)};
+  const Surface surface = *Surface::Build(shapes::DisjointUnion(parts));
+  const Plan plan = *Make(surface, 60, 0);
+  EXPECT_FALSE(plan.components[0].points);
+  EXPECT_TRUE(plan.components[1].points);
+  EXPECT_EQ(plan.components[0].samples + plan.components[1].samples, 60);
+  EXPECT_EQ(plan.components[1].boundary_samples, 0);
+  EXPECT_EQ(plan.components[1].triangles, 0);
+  EXPECT_TRUE(plan.loops[0].arcs.empty());
+  EXPECT_EQ(plan.closed_loops, 0);
+}
+
 TEST(MakePlan, TooFewSamplesGiveTheNextCountWorthTrying) {
-  const std::vector<TriangleMesh> spheres = {shapes::Icosphere(2),
-                                             shapes::Moved(shapes::Icosphere(2), {5, 0, 0}, 0.2)};
   const std::vector<TriangleMesh> all_kinds = {
-      shapes::Torus(1, 0.3, 20, 10), shapes::PlateWithHoles(2, 1), shapes::PlateWithHoles(3, 1),
-      shapes::DisjointUnion(spheres)};
+      shapes::Torus(1, 0.3, 20, 10), shapes::PlateWithHoles(2, 1), shapes::PlateWithHoles(3, 1)};
   for (const TriangleMesh& mesh : all_kinds) {
     const Surface surface = *Surface::Build(mesh);
     std::int64_t smallest = 0;
-    const absl::Status status = MakePlan(surface, 4, 0, &smallest).status();
+    const absl::Status status =
+        MakePlan(surface, Density::Uniform(surface), 4, 0, &smallest).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_EQ(GetErrorReason(status), ErrorReason::kCountTooSmall);
     EXPECT_THAT(std::string(status.message()), testing::HasSubstr("sample_count 4"));

@@ -22,8 +22,8 @@ constexpr DefectLimits kLimits = {.least_separation = 0.5, .reach = 2};
 std::vector<Defect> Find(const Start& start, const DefectLimits& limits) {
   Interrupt never;
   const std::vector<std::uint8_t> everywhere(start.samples.count(), 1);
-  return FindDefects(start.surface, start.plan, start.mesh, start.samples, limits, limits,
-                     everywhere, &never);
+  return FindDefects(start.surface, start.density, start.plan, start.mesh, start.samples, limits,
+                     limits, everywhere, &never);
 }
 
 TEST(FindDefects, NamesInteriorSamplesOnceInOrder) {
@@ -50,8 +50,8 @@ TEST(FindDefects, LooksOnlyInItsScope) {
   Interrupt never;
   const Start start = *MakeStart(shapes::Icosphere(3), 1000, 1);
   const std::vector<std::uint8_t> nowhere(start.samples.count(), 0);
-  EXPECT_TRUE(FindDefects(start.surface, start.plan, start.mesh, start.samples, kLimits, kLimits,
-                          nowhere, &never)
+  EXPECT_TRUE(FindDefects(start.surface, start.density, start.plan, start.mesh, start.samples,
+                          kLimits, kLimits, nowhere, &never)
                   .empty());
 }
 
@@ -74,8 +74,8 @@ TEST(Relocate, KeepsCountsTopologyAndHosts) {
     SCOPED_TRACE(m);
     Start start = *MakeStart(meshes[m], 900, m);
     const quality::MeshTopology before = sampling_test::Topology(start.mesh);
-    GeometryPhase geometry(&start.surface, &start.plan, Energy::kTarget, &start.mesh,
-                           &start.samples);
+    GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
+                           &start.mesh, &start.samples);
     Projection projection(&start.surface, 0.5 * start.plan.spacing);
     EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
     const std::vector<Defect> defects = Find(start, kLimits);
@@ -104,7 +104,8 @@ TEST(Relocate, KeepsCountsTopologyAndHosts) {
 
 TEST(Relocate, UncoveredPlaceGetsASample) {
   Start start = *MakeStart(shapes::Icosphere(3), 400, 1);
-  GeometryPhase geometry(&start.surface, &start.plan, Energy::kTarget, &start.mesh, &start.samples);
+  GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
+                         &start.samples);
   Projection projection(&start.surface, 0.5 * start.plan.spacing);
   EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
   // The surface's vertex nearest the middle of the largest triangle.
@@ -131,7 +132,8 @@ TEST(Relocate, UncoveredPlaceGetsASample) {
 
 TEST(Relocate, NothingToDoChangesNothing) {
   Start start = *MakeStart(shapes::Icosphere(3), 400, 1);
-  GeometryPhase geometry(&start.surface, &start.plan, Energy::kTarget, &start.mesh, &start.samples);
+  GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
+                         &start.samples);
   Projection projection(&start.surface, 0.5 * start.plan.spacing);
   EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
   const std::vector<std::int32_t> before = start.mesh.origin;

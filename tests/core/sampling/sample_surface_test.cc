@@ -150,16 +150,17 @@ TEST(SampleSurface, HostsAreFacesOfTheInputAsGiven) {
   options.sample_count = 300;
   const SamplingResult result = *SampleSurface(mesh, options);
   EXPECT_EQ(FindFault(mesh, 300, result), "");
-  EXPECT_EQ(result.surface.isolated_vertices, 9);
-  EXPECT_GT(result.surface.welded_vertices, 0);
+  EXPECT_EQ(result.surface.repairs.isolated_vertices, 9);
+  EXPECT_GT(result.surface.repairs.welded_vertices, 0);
 }
 
 TEST(SampleSurface, RefusalsOfTheSurfaceComeThrough) {
   SamplingOptions options;
   options.sample_count = 100;
   EXPECT_EQ(GetErrorReason(SampleSurface({}, options).status()), ErrorReason::kMeshEmpty);
-  EXPECT_EQ(GetErrorReason(SampleSurface(shapes::ThreeFins(), options).status()),
-            ErrorReason::kMeshNotManifold);
+  TriangleMesh wrong = shapes::Icosphere(1);
+  wrong.positions[5].x() = std::nan("");
+  EXPECT_EQ(GetErrorReason(SampleSurface(wrong, options).status()), ErrorReason::kMeshDegenerate);
 }
 
 }  // namespace

@@ -79,6 +79,14 @@ TEST(SamplingOptions, TimeLimitMustBePositive) {
   }
 }
 
+TEST(SamplingOptions, WeldToleranceMustBeALength) {
+  for (const double bad : {-1e-9, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    SamplingOptions options = Good();
+    options.weld_tolerance = bad;
+    EXPECT_THAT(Refusal(options), HasSubstr("weld_tolerance"));
+  }
+}
+
 TEST(SamplingOptions, ThreadCountMustBePositive) {
   for (const int bad : {0, -3}) {
     SamplingOptions options = Good();

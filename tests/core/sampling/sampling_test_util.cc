@@ -32,10 +32,12 @@ absl::StatusOr<Start> MakeStart(const TriangleMesh& mesh, std::int64_t count, st
   Interrupt never;
   CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(mesh));
   std::int64_t smallest = 0;
-  CCST_ASSIGN_OR_RETURN(Plan plan, MakePlan(surface, count, seed, &smallest));
-  Samples samples = DrawInitialPoints(surface, plan, seed);
+  Density density = Density::Uniform(surface);
+  CCST_ASSIGN_OR_RETURN(Plan plan, MakePlan(surface, density, count, seed, &smallest));
+  Samples samples = DrawInitialPoints(surface, density, plan, seed);
   CCST_ASSIGN_OR_RETURN(SampleMesh triangulation, BuildInitialMesh(surface, plan, samples, &never));
-  return Start{std::move(surface), std::move(plan), std::move(samples), std::move(triangulation)};
+  return Start{std::move(surface), std::move(density), std::move(plan), std::move(samples),
+               std::move(triangulation)};
 }
 
 std::vector<Eigen::Vector3i> Triangles(const SampleMesh& mesh) {
@@ -133,14 +135,26 @@ std::string FindFault(const TriangleMesh& mesh, std::int64_t count, const Sampli
   const quality::TriangleTree tree(mesh.positions, mesh.faces);
   const double off = quality::LargestDistance(set.positions, tree);
   if (!(off <= 1e-6 * result.surface.diagonal)) return absl::StrCat("a sample lies ", off, " off");
-  const quality::MeshTopology topology = quality::MeasureTopology(count, set.triangles);
+  // Samples in no triangle must be those of the components said to have none.
+  std::vector<std::int32_t> number(n, -1);
+  std::int32_t used = 0;
+  std::vector<Eigen::Vector3i> triangles = set.triangles;
+  for (Eigen::Vector3i& t : triangles) {
+    for (std::int32_t& v : t) v = number[v] < 0 ? number[v] = used++ : number[v];
+  }
+  if (count - used != result.surface.untriangulated_samples) {
+    return absl::StrCat(count - used, " samples belong to no triangle instead of ",
+                        result.surface.untriangulated_samples);
+  }
+  const quality::MeshTopology topology = quality::MeasureTopology(used, triangles);
   if (!topology.IsManifold()) return topology.first_defect;
+  if (topology.components != result.surface.components - result.surface.untriangulated_components) {
+    return absl::StrCat(topology.components, " components");
+  }
+  if (result.surface.untriangulated_components > 0) return "";
   if (topology.euler != result.surface.euler + result.surface.closed_loops) {
     return absl::StrCat("Euler characteristic ", topology.euler, " instead of ",
                         result.surface.euler + result.surface.closed_loops);
-  }
-  if (topology.components != result.surface.components) {
-    return absl::StrCat(topology.components, " components");
   }
   const auto loops = static_cast<std::int64_t>(topology.boundary_loops.size());
   if (loops != result.surface.boundary_loops - result.surface.closed_loops) {

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "absl/status/statusor.h"
+#include "core/density/density.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/quality/mesh_topology.h"
 #include "core/sampling/plan.h"
@@ -21,6 +22,7 @@ namespace ccst::sampling_test {
 /// A surface with its initial samples and their triangulation.
 struct Start {
   Surface surface;
+  Density density;
   Plan plan;
   Samples samples;
   SampleMesh mesh;
@@ -47,7 +49,7 @@ double Area(const SampleMesh& mesh, const std::vector<Eigen::Vector3d>& position
 std::string FindDifference(const SamplingResult& a, const SamplingResult& b);
 
 /// Says what of a result is wrong: counts, hosts, positions, normals, topology against that of
-/// the surface, triangles turned over; empty when nothing is.
+/// the surface as far as it is triangulated, triangles turned over; empty when nothing is.
 std::string FindFault(const TriangleMesh& mesh, std::int64_t count, const SamplingResult& result);
 
 /// A closed surface with six thin, pointed arms; genus 0.

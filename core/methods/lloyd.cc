@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/methods/capacity_curve.h"
+#include "core/methods/methods.h"
+#include "core/methods/pieces.h"
+#include "core/methods/sides.h"
+#include "core/methods/strata.h"
+#include "core/spatial/box_tree.h"
+
+namespace ccst {
+namespace {
+
+constexpr std::uint64_t kStream = 0x6c6c6f7964;  // "lloyd"
+
+/// A site near a piece or near another site.
+struct Near {
+  double distance;
+  std::int32_t site;
+  bool operator<(const Near& other) const {
+    return distance != other.distance ? distance < other.distance : site < other.site;
+  }
+};
+
+/// Centre of a piece and the distance of its farthest corner from there.
+struct Ball {
+  explicit Ball(const Piece& piece)
+      : center((piece.corners[0] + piece.corners[1] + piece.corners[2]).head<3>().cast<double>() /
+               3.0) {
+    for (const Eigen::Vector4f& corner : piece.corners) {
+      radius = std::max(radius, (corner.head<3>().cast<double>() - center).norm());
+    }
+  }
+
+  Eigen::Vector3d center;
+  double radius = 0.0;
+};
+
+/// Lloyd's relaxation as a state that is stepped. Every piece has an owner, the site nearest to its
+/// centre when last looked; that makes the sites near it in the next step a short list.
+class Lloyd {
+ public:
+  Lloyd(const Surface& surface, std::vector<Piece> pieces, std::vector<SurfacePoint> sites)
+      : surface_(surface),
+        sides_(surface),
+        pieces_(std::move(pieces)),
+        sites_(std::move(sites)),
+        positions_(sites_.size()) {
+    for (std::size_t s = 0; s < sites_.size(); ++s) positions_[s] = sites_[s].position;
+  }
+
+  const std::vector<SurfacePoint>& sites() const { return sites_; }
+
+  /// Gives every piece the site nearest to its centre: on its side if there is one no more than
+  /// twice as far as the nearest of its component. Pieces of components without sites are dropped.
+  void FindOwners(double r_max, Interrupt* interrupt) {
+    std::vector<char> has_site(surface_.component_areas().size(), 0);
+    const std::vector<std::int32_t>& components = surface_.face_components();
+    for (const SurfacePoint& site : sites_) has_site[components[site.face]] = 1;
+    std::erase_if(pieces_, [&](const Piece& piece) { return !has_site[components[piece.face]]; });
+    tree_.Build(positions_);
+    owners_.assign(pieces_.size(), -1);
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+      if (interrupt->RequestedAt(static_cast<std::int64_t>(p))) return;
+      const std::int32_t face = pieces_[p].face;
+      const Ball ball(pieces_[p]);
+      constexpr double kFar = std::numeric_limits<double>::infinity();
+      Near any = {kFar, -1};
+      Near same = {kFar, -1};
+      for (double radius = r_max; same.site < 0; radius *= 2.0) {
+        const bool last = any.site >= 0;
+        tree_.ForEachWithin(ball.center, radius, [&](std::int32_t s, double squared) {
+          if (components[sites_[s].face] != components[face]) return;
+          any = std::min(any, Near{squared, s});
+          if (sides_.Same(face, sites_[s].face)) same = std::min(same, Near{squared, s});
+        });
+        if (last) break;
+      }
+      owners_[p] = same.site >= 0 ? same.site : any.site;
+    }
+  }
+
+  /// Finds the regions and returns the energy. False results when `interrupt` was requested; the
+  /// sites are as they were then.
+  double Assign(Interrupt* interrupt) {
+    FindNeighbors(interrupt);
+    double energy = 0.0;
+    sums_.assign(sites_.size(), Eigen::Vector4d::Zero());
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+      if (interrupt->RequestedAt(static_cast<std::int64_t>(p))) return energy;
+      FindNearest(p);
+      for (std::size_t k = 0; k < near_.size(); ++k) {
+        const PieceClipper::Moments moments = clipper_.Integrate(pieces_[p], near_positions_, k);
+        sums_[near_[k].site] += moments.first;
+        energy += moments.second;
+      }
+    }
+    return energy;
+  }
+
+  /// Moves every site to the centroid of its region and calls moved(site, distance).
+  template <class Moved>
+  void Move(Moved&& moved) {
+    for (std::size_t s = 0; s < sites_.size(); ++s) {
+      if (!(sums_[s][3] > 0.0)) continue;
+      sites_[s] = MoveTo(surface_, sites_[s], sums_[s].head<3>() / sums_[s][3]);
+      moved(sites_[s], (sites_[s].position - positions_[s]).norm());
+      positions_[s] = sites_[s].position;
+    }
+  }
+
+ private:
+  /// The sites that may be nearest somewhere in the pieces that a site owns: with R the distance of
+  /// the farthest point of those, they are at most 2 R away. By distance.
+  void FindNeighbors(Interrupt* interrupt) {
+    tree_.Build(positions_);
+    reach_.assign(sites_.size(), 0.0);
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+      const Ball ball(pieces_[p]);
+      double& reach = reach_[owners_[p]];
+      reach = std::max(reach, (ball.center - positions_[owners_[p]]).norm() + ball.radius);
+    }
+    neighbors_.clear();
+    neighbor_ends_.assign(1, 0);
+    for (std::size_t s = 0; s < sites_.size(); ++s) {
+      if (interrupt->RequestedAt(static_cast<std::int64_t>(s))) return;
+      tree_.ForEachWithin(positions_[s], 2.0 * reach_[s], [&](std::int32_t other, double squared) {
+        if (other != static_cast<std::int32_t>(s))
+          neighbors_.push_back({std::sqrt(squared), other});
+      });
+      std::sort(neighbors_.begin() + neighbor_ends_.back(), neighbors_.end());
+      neighbor_ends_.push_back(static_cast<std::ptrdiff_t>(neighbors_.size()));
+    }
+  }
+
+  /// Lists the sites that may be nearest somewhere in a piece, those on its side; the owner alone
+  /// when there are none. The nearest to the centre becomes the owner.
+  void FindNearest(std::size_t p) {
+    const std::int32_t face = pieces_[p].face;
+    const std::int32_t owner = owners_[p];
+    const Ball ball(pieces_[p]);
+    const double to_owner = (ball.center - positions_[owner]).norm();
+    near_.clear();
+    Near nearest = {std::numeric_limits<double>::infinity(), owner};
+    if (sides_.Same(face, sites_[owner].face)) {
+      nearest = {to_owner, owner};
+      near_.push_back(nearest);
+    }
+    for (std::ptrdiff_t k = neighbor_ends_[owner]; k < neighbor_ends_[owner + 1]; ++k) {
+      const auto& [apart, site] = neighbors_[k];
+      if (apart > to_owner + nearest.distance + 2.0 * ball.radius) break;
+      if (!sides_.Same(face, sites_[site].face)) continue;
+      const double distance = (ball.center - positions_[site]).norm();
+      if (distance > nearest.distance + 2.0 * ball.radius) continue;
+      near_.push_back({distance, site});
+      nearest = std::min(nearest, near_.back());
+    }
+    std::erase_if(near_,
+                  [&](const Near& n) { return n.distance > nearest.distance + 2.0 * ball.radius; });
+    if (near_.empty()) near_.push_back({to_owner, owner});
+    owners_[p] = nearest.site;
+    near_positions_.clear();
+    for (const Near& n : near_) near_positions_.push_back(positions_[n.site]);
+  }
+
+  const Surface& surface_;
+  Sides sides_;
+  std::vector<Piece> pieces_;
+  std::vector<std::int32_t> owners_;  // Per piece.
+  std::vector<SurfacePoint> sites_;
+  std::vector<Eigen::Vector3d> positions_;  // Of the sites.
+  std::vector<Eigen::Vector4d> sums_;       // Per site: first moments of its region.
+  std::vector<double> reach_;               // Per site: distance of the farthest point it owns.
+  std::vector<Near> neighbors_;
+  std::vector<std::ptrdiff_t> neighbor_ends_;  // Those of site s end at entry s + 1.
+  std::vector<Near> near_;
+  std::vector<Eigen::Vector3d> near_positions_;
+  PieceClipper clipper_;
+  BoxTree tree_;
+};
+
+}  // namespace
+
+absl::StatusOr<RelaxedSamples> RelaxLloyd(const Surface& surface, const Density& density,
+                                          std::int64_t count, std::uint64_t seed,
+                                          const LloydOptions& options,
+                                          const MethodControl& control) {
+  const CapacityCurve curve(surface, density);
+  const double r_max = HexagonalSpacing(surface, count);
+  const double footprint = surface.area() / static_cast<double>(count);
+  std::vector<SurfacePoint> start;
+  start.reserve(count);
+  ForEachStratum(density, curve, count, 1, CounterRandom(seed, kStream), control.interrupt,
+                 [&](const SurfacePoint& point) { start.push_back(point); });
+  Lloyd lloyd(surface, CutPieces(surface, density, r_max, control.interrupt), std::move(start));
+  if (!control.interrupt->Requested()) lloyd.FindOwners(r_max, control.interrupt);
+  if (control.interrupt->Requested()) {
+    return absl::CancelledError("stopped while the first regions were found");
+  }
+  RelaxedSamples result;
+  double max_move = 0.0;
+  while (true) {
+    const double energy = lloyd.Assign(control.interrupt);
+    if (control.interrupt->Requested()) break;
+    result.energy = energy;
+    if (control.on_step) control.on_step({result.steps, energy, max_move, lloyd.sites()});
+    if (result.converged || result.steps >= options.max_steps) break;
+    max_move = 0.0;
+    double largest = 0.0;  // In spacings.
+    lloyd.Move([&](const SurfacePoint& site, double distance) {
+      max_move = std::max(max_move, distance);
+      const double rho = density.At(site.face, site.weights, footprint);
+      largest = std::max(largest, distance * std::sqrt(rho) / r_max);
+    });
+    ++result.steps;
+    result.converged = largest <= options.tolerance;
+  }
+  result.points = lloyd.sites();
+  return result;
+}
+
+}  // namespace ccst

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/mesh/triangle_mesh.h"
+#include "core/sampling/sample_mesh.h"
+#include "core/sampling/samples.h"
+#include "core/sampling/sampling.h"
+#include "core/sampling/source_map.h"
+
+namespace ccst {
+
+/// The samples as callers see them: on the faces of the input, in mesh units.
+/// @param mesh     the input. @param sources  where the surface's faces lie on it.
+/// @param order    a permutation: entry k is the sample that becomes the k-th.
+SampleSet ExportSamples(const TriangleMesh& mesh, const SourceMap& sources, const Samples& samples,
+                        const SampleMesh& triangulation, const std::vector<std::int32_t>& order);
+
+}  // namespace ccst

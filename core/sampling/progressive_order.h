@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace ccst {
+
+/// An order of the samples in which every prefix is well spread: the samples of a prefix of p are
+/// apart by about 0.45 r_max(p) or more, where all of them are apart by 0.65 r_max(n).
+/// Darts are thrown at the samples themselves, in a random order, with a radius that shrinks in
+/// steps; the last, which no radius separates any more, follow in that order.
+/// @param positions  n x 3.
+/// @param normals    n x 3 unit; samples are compared with those on their side only.
+/// @param scales     n factors of the spacing wanted at each; empty: 1.
+/// @param r_max      the hexagonal spacing of all n where the factor is 1.
+/// @return a permutation: entry k is the sample that comes k-th. Cost O(n).
+/// Source: the nested sets of McCool and Fiume, "Hierarchical Poisson disk sampling
+/// distributions", Graphics Interface 1992.
+std::vector<std::int32_t> ProgressiveOrder(std::span<const Eigen::Vector3d> positions,
+                                           std::span<const Eigen::Vector3d> normals,
+                                           std::span<const double> scales, double r_max,
+                                           std::uint64_t seed);
+
+}  // namespace ccst

@@ -1,0 +1,63 @@
+#include "core/spatial/spatial_order.h"
+
+#include <algorithm>
+#include <numeric>
+#include <stop_token>
+
+#include <gtest/gtest.h>
+
+#include "core/random/random.h"
+
+namespace ccst {
+namespace {
+
+std::vector<Eigen::Vector3d> RandomPoints(int count) {
+  const CounterRandom random(1, 1);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < count; ++i) {
+    points.emplace_back(random.Uniform(3 * i) - 0.5, random.Uniform(3 * i + 1) - 0.5,
+                        random.Uniform(3 * i + 2) - 0.5);
+  }
+  return points;
+}
+
+TEST(HilbertOrder, IsAPermutationAlongWhichStepsAreShort) {
+  const std::vector<Eigen::Vector3d> points = RandomPoints(20000);
+  Interrupt never;
+  std::vector<std::int32_t> order = HilbertOrder(points, &never);
+  double steps = 0.0;
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    steps += (points[order[k]] - points[order[k - 1]]).norm();
+  }
+  // The mean distance of points in a cube is 0.66, the edge of a cube a point 20000^(-1/3) = 0.037.
+  EXPECT_LE(steps / 20000.0, 2.0 * 0.037);
+  std::sort(order.begin(), order.end());
+  std::vector<std::int32_t> all(points.size());
+  std::iota(all.begin(), all.end(), 0);
+  EXPECT_EQ(order, all);
+}
+
+TEST(HilbertOrder, EqualPointsKeepTheirOrder) {
+  const std::vector<Eigen::Vector3d> points(100, Eigen::Vector3d(0.1, 0.2, 0.3));
+  Interrupt never;
+  const std::vector<std::int32_t> order = HilbertOrder(points, &never);
+  EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+  EXPECT_EQ(order.size(), 100u);
+}
+
+TEST(HilbertOrder, PointsOutsideAndOnTheBorderAreTaken) {
+  const std::vector<Eigen::Vector3d> points = {
+      {0.5, 0.5, 0.5}, {-0.5, -0.5, -0.5}, {9.0, -9.0, 1e300}};
+  Interrupt never;
+  EXPECT_EQ(HilbertOrder(points, &never).size(), 3u);
+}
+
+TEST(HilbertOrder, EndsWhenStopped) {
+  std::stop_source stop;
+  stop.request_stop();
+  Interrupt interrupt(stop.get_token());
+  EXPECT_TRUE(HilbertOrder(RandomPoints(10), &interrupt).empty());
+}
+
+}  // namespace
+}  // namespace ccst

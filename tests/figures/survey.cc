@@ -1,0 +1,199 @@
+#include "tests/figures/survey.h"
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/io/mesh_file.h"
+#include "core/quality/capacity.h"
+#include "core/sampling/sampling.h"
+#include "tests/figures/floors.h"
+
+namespace ccst::figures {
+namespace {
+
+constexpr std::int64_t kLeastCount = 4000;
+constexpr std::int64_t kCountPerComponent = 40;
+
+/// Connected component of each face, numbered from 0.
+std::vector<std::int32_t> FaceComponents(const TriangleMesh& mesh, std::int32_t* count) {
+  std::vector<std::int32_t> parent(mesh.positions.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto find = [&parent](std::int32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const Eigen::Vector3i& face : mesh.faces) {
+    parent[find(face[1])] = find(face[0]);
+    parent[find(face[2])] = find(face[0]);
+  }
+  std::vector<std::int32_t> number(mesh.positions.size(), -1);
+  std::vector<std::int32_t> components;
+  *count = 0;
+  for (const Eigen::Vector3i& face : mesh.faces) {
+    std::int32_t& component = number[find(face[0])];
+    if (component < 0) component = (*count)++;
+    components.push_back(component);
+  }
+  return components;
+}
+
+/// The faces for which `wanted` holds, and their vertices.
+template <typename Wanted>
+TriangleMesh Part(const TriangleMesh& mesh, const Wanted& wanted) {
+  TriangleMesh part;
+  std::vector<std::int32_t> number(mesh.positions.size(), -1);
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    if (!wanted(f)) continue;
+    Eigen::Vector3i face = mesh.faces[f];
+    for (std::int32_t& v : face) {
+      if (number[v] < 0) {
+        number[v] = static_cast<std::int32_t>(part.positions.size());
+        part.positions.push_back(mesh.positions[v]);
+      }
+      v = number[v];
+    }
+    part.faces.push_back(face);
+  }
+  return part;
+}
+
+/// The samples of triangles, and those triangles.
+SampleSet TriangulatedSamples(const SampleSet& all) {
+  SampleSet part;
+  std::vector<std::int32_t> number(all.faces.size(), -1);
+  part.triangles = all.triangles;
+  for (const Eigen::Vector3i& t : all.triangles) {
+    for (const std::int32_t v : t) number[v] = 0;
+  }
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] < 0) continue;
+    number[i] = static_cast<std::int32_t>(part.faces.size());
+    part.faces.push_back(all.faces[i]);
+    part.barycentrics.push_back(all.barycentrics[i]);
+    part.positions.push_back(all.positions[i]);
+    part.normals.push_back(all.normals[i]);
+  }
+  for (Eigen::Vector3i& t : part.triangles) {
+    for (std::int32_t& v : t) v = number[v];
+  }
+  return part;
+}
+
+/// Most samples with which a component may still be left without triangles: some six for each
+/// triangle edge that its topology cannot do without.
+std::int64_t MostPoints(const ReferenceSurface& component) {
+  return 6 * (3 - component.topology().euler);
+}
+
+/// Fills in what `result` is worth on the repaired surface.
+void Judge(const TriangleMesh& input, const RepairedMesh& repaired, const SamplingResult& result,
+           Survey* survey) {
+  RunRecord& run = survey->run;
+  std::int32_t count = 0;
+  const std::vector<std::int32_t> components = FaceComponents(repaired.mesh, &count);
+  // Components with sample triangles, by the hosts of their corners.
+  std::vector<std::int32_t> component_of(input.faces.size(), -1);
+  for (std::size_t f = 0; f < components.size(); ++f) {
+    component_of[repaired.source_face[f]] = components[f];
+  }
+  std::vector<std::uint8_t> triangulated(count, 0);
+  for (const Eigen::Vector3i& t : result.samples.triangles) {
+    for (const std::int32_t v : t) {
+      const std::int32_t c = component_of[result.samples.faces[v]];
+      if (c >= 0) triangulated[c] = 1;
+    }
+  }
+  const double area = quality::TotalArea(repaired.mesh.positions, repaired.mesh.faces);
+  bool points_are_excused = true;
+  for (std::int32_t c = 0; c < count; ++c) {
+    if (triangulated[c]) continue;
+    const ReferenceSurface component(
+        Part(repaired.mesh, [&](std::size_t f) { return components[f] == c; }), Welding::kNone);
+    const double share = static_cast<double>(run.sample_count) * component.area() / area;
+    if (share > static_cast<double>(MostPoints(component))) points_are_excused = false;
+  }
+  const SampleSet samples = TriangulatedSamples(result.samples);
+  const auto used = static_cast<std::int64_t>(samples.faces.size());
+  if (used > 0) {
+    const ReferenceSurface surface(
+        Part(repaired.mesh, [&](std::size_t f) { return triangulated[components[f]] != 0; }),
+        Welding::kNone);
+    run.figures = MeasureFigures(input, surface, samples);
+    run.misses = FindMisses(run.figures, surface, used, run.closed_loops);
+  }
+  const bool stated = result.surface.untriangulated_components ==
+                          std::count(triangulated.begin(), triangulated.end(), std::uint8_t{0}) &&
+                      result.surface.untriangulated_samples == run.sample_count - used;
+  if (!points_are_excused || !stated) run.misses.insert("points");
+  if (static_cast<std::int64_t>(result.samples.faces.size()) != run.sample_count) {
+    run.misses.insert("n");
+  }
+}
+
+}  // namespace
+
+Survey SurveyFile(const std::string& path, std::uint64_t seed) {
+  Survey survey;
+  RunRecord& run = survey.run;
+  run.seed = seed;
+  const absl::StatusOr<MeshFile> file = ReadMeshFile(path);
+  if (!file.ok()) {
+    run.error = file.status().ToString();
+    return survey;
+  }
+  survey.readable = true;
+  const absl::StatusOr<RepairedMesh> repaired = Repair(file->mesh);
+  if (!repaired.ok()) {
+    run.error = repaired.status().ToString();
+    return survey;
+  }
+  survey.repairs = repaired->report;
+  std::int32_t components = 0;
+  FaceComponents(repaired->mesh, &components);
+  survey.components = components;
+  SamplingOptions options;
+  options.sample_count = run.sample_count = std::max(kLeastCount, kCountPerComponent * components);
+  options.seed = seed;
+  const auto start = std::chrono::steady_clock::now();
+  const absl::StatusOr<SamplingResult> result = SampleSurface(file->mesh, options);
+  run.wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!result.ok()) {
+    run.error = result.status().ToString();
+    return survey;
+  }
+  survey.untriangulated_components = result->surface.untriangulated_components;
+  survey.untriangulated_samples = result->surface.untriangulated_samples;
+  run.closed_loops = result->surface.closed_loops;
+  run.alternations = result->alternations;
+  run.passes = result->passes;
+  run.termination = result->termination;
+  run.prepare_seconds = result->prepare_seconds;
+  run.initialise_seconds = result->initialise_seconds;
+  run.optimise_seconds = result->optimise_seconds;
+  Judge(file->mesh, *repaired, *result, &survey);
+  return survey;
+}
+
+std::string DescribeRepairs(const RepairReport& report) {
+  std::string text;
+  const auto add = [&text](std::int64_t count, const char* name) {
+    if (count != 0) absl::StrAppend(&text, text.empty() ? "" : ", ", count, " ", name);
+  };
+  add(report.welded_vertices, "welded");
+  add(report.isolated_vertices, "isolated");
+  add(report.repeated_index_faces, "repeated index");
+  add(report.duplicate_faces, "duplicate");
+  add(report.degenerate_faces, "degenerate");
+  add(report.split_faces, "split");
+  add(report.cut_edges, "cut edges");
+  add(report.non_orientable_cuts, "non-orientable cuts");
+  add(report.cut_vertices, "cut vertices");
+  add(report.flipped_faces, "flipped");
+  return text.empty() ? "-" : text;
+}
+
+}  // namespace ccst::figures

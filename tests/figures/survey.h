@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/repair/repair.h"
+#include "tests/figures/report.h"
+
+namespace ccst::figures {
+
+/// What became of one mesh file.
+struct Survey {
+  /// What was sampled and how good it is; `run.error` says why there is no result.
+  RunRecord run;
+  bool readable = false;
+  std::int64_t components = 0;
+  std::int64_t untriangulated_components = 0;
+  std::int64_t untriangulated_samples = 0;
+  RepairReport repairs;
+};
+
+/// Reads, repairs and samples the mesh file `path`, n = max(4000, 40 per component), and holds
+/// the result against the floors, judged on the repaired surface: what is not triangulated is left
+/// out, and is a miss ("points") where its share of the samples would have been enough.
+Survey SurveyFile(const std::string& path, std::uint64_t seed);
+
+/// The counts of a report that are not 0, as "3 welded, 1 cut edges"; "-" where all are.
+std::string DescribeRepairs(const RepairReport& report);
+
+}  // namespace ccst::figures
