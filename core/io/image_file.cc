@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <new>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -135,8 +136,7 @@ absl::StatusOr<Image> DecodeImage(std::span<const char> bytes, const ImageLimits
     if (text.starts_with(kPng)) return DecodePng(bytes, limits);
     if (text.starts_with(kJpeg)) return DecodeJpeg(bytes, limits);
   } catch (const std::bad_alloc&) {
-    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kOutOfMemory,
-                     "not enough memory to decode the image");
+    return OutOfMemory();
   }
   return Unreadable("the image is neither a PNG nor a JPEG");
 }

@@ -20,6 +20,7 @@ struct ImageLimits {
 ///
 /// A damaged or truncated file is refused. Cost O(pixels), memory up to 16 bytes a pixel.
 /// @errors INVALID_ARGUMENT  IMAGE_UNREADABLE (says why); LIMIT_EXCEEDED more pixels than accepted
+///         RESOURCE_EXHAUSTED OUT_OF_MEMORY
 absl::StatusOr<Image> DecodeImage(std::span<const char> bytes, const ImageLimits& limits = {});
 
 }  // namespace ccst

@@ -272,7 +272,7 @@ TEST(Convert, BrokenChunksAreRefused) {
 
 TEST(Convert, FullChunksFitTheDefaultMessageLimit) {
   const SampleSet samples = ManySamples(static_cast<int>(kMaxChunkLength));
-  EXPECT_LT(SampleChunkToProto(samples, 0, kMaxChunkLength).ByteSizeLong(), 1U << 20);
+  EXPECT_LT(SampleChunkToProto(samples, 0, SamplesPerChunk(samples)).ByteSizeLong(), 1U << 20);
   EXPECT_LT(SampleMeshChunkToProto(samples, 0, kMaxChunkLength).ByteSizeLong(), 1U << 20);
 }
 

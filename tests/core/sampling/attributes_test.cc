@@ -40,7 +40,10 @@ TEST(InterpolateAttributes, SampledMeshesCarryThem) {
     height.values.push_back(static_cast<float>(2 * p.x() - p.y()));
   }
   mesh.attributes = {height};
-  const auto result = SampleSurface(mesh, {.sample_count = 200, .max_iterations = 2});
+  SamplingOptions options;
+  options.sample_count = 200;
+  options.max_iterations = 2;
+  const auto result = SampleSurface(mesh, options);
   ASSERT_TRUE(result.ok()) << result.status();
   ASSERT_EQ(result->samples.attributes.size(), 1u);
   const Attribute& sampled = result->samples.attributes[0];
@@ -55,7 +58,9 @@ TEST(InterpolateAttributes, SampledMeshesCarryThem) {
 TEST(InterpolateAttributes, WrongSizesAreRefusedBeforeAnythingIsComputed) {
   TriangleMesh mesh = shapes::Icosphere(1);
   mesh.attributes = {{.name = "heat", .values = {1, 2, 3}}};
-  const auto result = SampleSurface(mesh, {.sample_count = 50});
+  SamplingOptions options;
+  options.sample_count = 50;
+  const auto result = SampleSurface(mesh, options);
   EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_NE(result.status().message().find("'heat'"), std::string::npos);
 }
