@@ -80,6 +80,9 @@ int Run(const Options& options) {
             surveys[i].run.error = std::string("exception: ") + e.what();
           }
           surveys[i].run.model = names[i];
+          if (!surveys[i].run.error.empty()) continue;
+          std::fprintf(stderr, "%s: sampled in %.1f s\n", names[i].c_str(),
+                       surveys[i].run.wall_seconds);
         }
       });
     }
