@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "tests/figures/survey.h"
 
 namespace {
@@ -100,6 +101,9 @@ int Run(const Options& options) {
     held += survey.run.Holds();
     std::string row = ccst::figures::FormatRow(survey.run, kWidth);
     std::string extra = "  " + ccst::figures::DescribeRepairs(survey.repairs);
+    if (survey.run.figures.radius_same_side < survey.radius_on_sheet) {
+      absl::StrAppendFormat(&extra, "; radius %.3f on one sheet", survey.radius_on_sheet);
+    }
     if (survey.untriangulated_components > 0) {
       absl::StrAppend(&extra, "; ", survey.untriangulated_samples, " points on ",
                       survey.untriangulated_components, " of ", survey.components, " components");
