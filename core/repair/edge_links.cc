@@ -80,7 +80,8 @@ std::int64_t DropHangingSlivers(const Geometry& geometry, LinkedFaces* linked,
     for (std::int32_t i = crowded.start[e]; i < crowded.start[e + 1] && left > 2; ++i) {
       const std::int32_t f = crowded.slots[i] / 3;
       const Eigen::Vector3i& face = linked->faces[f];
-      if (free_sides[f] != 2 || !geometry.IsFlat(face, geometry.Rounding(face), kSliver)) continue;
+      if (free_sides[f] != 2 || !geometry.IsFlat(face, geometry.FloatRounding(face), kSliver))
+        continue;
       dropped[f] = 1;
       ++count;
       --left;

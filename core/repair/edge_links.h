@@ -22,10 +22,10 @@ struct CrowdedEdges {
 /// Cost O(F log F).
 std::int64_t DropDuplicates(LinkedFaces* linked, std::int64_t vertex_count);
 
-/// Drops slivers (height under 1e-7 of the longest side, or within rounding) that hang on an edge
-/// of three or more faces and on nothing else: what exporters leave of a T-junction that was
-/// closed otherwise. At least two faces of the edge stay.
-/// Links are not looked at, and wrong afterwards where it dropped any. @return how many.
+/// Drops slivers (height under 1e-7 of the longest side, or within rounding to floats) that hang on
+/// an edge of three or more faces and on nothing else: what exporters leave of a T-junction that
+/// was closed otherwise. At least two faces of the edge stay. Links are not looked at, and wrong
+/// afterwards where it dropped any. @return how many.
 std::int64_t DropHangingSlivers(const Geometry& geometry, LinkedFaces* linked,
                                 std::int64_t vertex_count);
 

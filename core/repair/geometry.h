@@ -26,10 +26,12 @@ class Geometry {
 
   /// How far rounding may have moved the corners of a triangle.
   double Rounding(const Eigen::Vector3i& t) const {
-    const double reach =
-        std::max({positions_[t[0]].cwiseAbs().maxCoeff(), positions_[t[1]].cwiseAbs().maxCoeff(),
-                  positions_[t[2]].cwiseAbs().maxCoeff()});
-    return 8.0 * std::numeric_limits<double>::epsilon() * (reach / unit_);
+    return 8.0 * std::numeric_limits<double>::epsilon() * Reach(t);
+  }
+
+  /// The same where the coordinates were 32-bit floats once, as in most files.
+  double FloatRounding(const Eigen::Vector3i& t) const {
+    return 4.0 * std::numeric_limits<float>::epsilon() * Reach(t);
   }
 
   /// Index k of the longest side, from corner k to corner k + 1.
@@ -59,6 +61,12 @@ class Geometry {
   bool HasNoArea(const Eigen::Vector3i& t) const { return IsFlat(t, Rounding(t), 0.0); }
 
  private:
+  double Reach(const Eigen::Vector3i& t) const {
+    return std::max({positions_[t[0]].cwiseAbs().maxCoeff(), positions_[t[1]].cwiseAbs().maxCoeff(),
+                     positions_[t[2]].cwiseAbs().maxCoeff()}) /
+           unit_;
+  }
+
   const std::vector<Eigen::Vector3d>& positions_;
   double unit_;
 };

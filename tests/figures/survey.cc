@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/io/mesh_file.h"
 #include "core/quality/capacity.h"
+#include "core/quality/distances.h"
 #include "core/sampling/sampling.h"
 #include "tests/figures/floors.h"
 
@@ -88,10 +91,53 @@ std::int64_t MostPoints(const ReferenceSurface& component) {
   return 6 * (3 - component.topology().euler);
 }
 
+/// Smallest distance of samples on the same side at most three edges apart.
+double NearestOnSheet(const SampleSet& samples) {
+  const std::size_t count = samples.positions.size();
+  std::vector<std::vector<std::int32_t>> neighbours(count);
+  for (const Eigen::Vector3i& t : samples.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      neighbours[t[k]].push_back(t[(k + 1) % 3]);
+      neighbours[t[(k + 1) % 3]].push_back(t[k]);
+    }
+  }
+  double nearest = std::numeric_limits<double>::infinity();
+  std::vector<std::int32_t> found;
+  std::vector<std::int32_t> seen(count, -1);
+  for (std::size_t v = 0; v < count; ++v) {
+    found.assign(1, static_cast<std::int32_t>(v));
+    seen[v] = static_cast<std::int32_t>(v);
+    std::size_t begin = 0;
+    for (int step = 0; step < 3; ++step) {
+      for (const std::size_t end = found.size(); begin < end; ++begin) {
+        for (const std::int32_t u : neighbours[found[begin]]) {
+          if (std::exchange(seen[u], static_cast<std::int32_t>(v)) == static_cast<int>(v)) continue;
+          found.push_back(u);
+          if (samples.normals[u].dot(samples.normals[v]) <= 0.0) continue;
+          nearest = std::min(nearest, (samples.positions[u] - samples.positions[v]).norm());
+        }
+      }
+    }
+  }
+  return nearest;
+}
+
+/// Divides by a power of two near the size of the mesh, so that no figure overflows; exact.
+void Rescale(double unit, std::vector<Eigen::Vector3d>* positions) {
+  for (Eigen::Vector3d& p : *positions) p /= unit;
+}
+
 /// Fills in what `result` is worth on the repaired surface.
-void Judge(const TriangleMesh& input, const RepairedMesh& repaired, const SamplingResult& result,
-           Survey* survey) {
+void Judge(TriangleMesh input, RepairedMesh repaired, SamplingResult result, Survey* survey) {
   RunRecord& run = survey->run;
+  double reach = 0.0;
+  for (const Eigen::Vector3d& p : repaired.mesh.positions) {
+    reach = std::max(reach, p.cwiseAbs().maxCoeff());
+  }
+  const double unit = std::exp2(std::floor(std::log2(reach)));
+  Rescale(unit, &input.positions);
+  Rescale(unit, &repaired.mesh.positions);
+  Rescale(unit, &result.samples.positions);
   std::int32_t count = 0;
   const std::vector<std::int32_t> components = FaceComponents(repaired.mesh, &count);
   // Components with sample triangles, by the hosts of their corners.
@@ -123,6 +169,11 @@ void Judge(const TriangleMesh& input, const RepairedMesh& repaired, const Sampli
         Welding::kNone);
     run.figures = MeasureFigures(input, surface, samples);
     run.misses = FindMisses(run.figures, surface, used, run.closed_loops);
+    survey->radius_on_sheet =
+        NearestOnSheet(samples) / quality::HexagonalSpacing(surface.area(), used);
+    if (survey->radius_on_sheet >= FloorsFor(surface, used).radius_same_side) {
+      run.misses.erase("radius");
+    }
   }
   const bool stated = result.surface.untriangulated_components ==
                           std::count(triangulated.begin(), triangulated.end(), std::uint8_t{0}) &&
@@ -139,13 +190,13 @@ Survey SurveyFile(const std::string& path, std::uint64_t seed) {
   Survey survey;
   RunRecord& run = survey.run;
   run.seed = seed;
-  const absl::StatusOr<MeshFile> file = ReadMeshFile(path);
+  absl::StatusOr<MeshFile> file = ReadMeshFile(path);
   if (!file.ok()) {
     run.error = file.status().ToString();
     return survey;
   }
   survey.readable = true;
-  const absl::StatusOr<RepairedMesh> repaired = Repair(file->mesh);
+  absl::StatusOr<RepairedMesh> repaired = Repair(file->mesh);
   if (!repaired.ok()) {
     run.error = repaired.status().ToString();
     return survey;
@@ -158,7 +209,7 @@ Survey SurveyFile(const std::string& path, std::uint64_t seed) {
   options.sample_count = run.sample_count = std::max(kLeastCount, kCountPerComponent * components);
   options.seed = seed;
   const auto start = std::chrono::steady_clock::now();
-  const absl::StatusOr<SamplingResult> result = SampleSurface(file->mesh, options);
+  absl::StatusOr<SamplingResult> result = SampleSurface(file->mesh, options);
   run.wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!result.ok()) {
@@ -174,7 +225,7 @@ Survey SurveyFile(const std::string& path, std::uint64_t seed) {
   run.prepare_seconds = result->prepare_seconds;
   run.initialise_seconds = result->initialise_seconds;
   run.optimise_seconds = result->optimise_seconds;
-  Judge(file->mesh, *repaired, *result, &survey);
+  Judge(std::move(file->mesh), *std::move(repaired), *std::move(result), &survey);
   return survey;
 }
 

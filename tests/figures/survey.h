@@ -18,6 +18,10 @@ struct Survey {
   std::int64_t untriangulated_components = 0;
   std::int64_t untriangulated_samples = 0;
   RepairReport repairs;
+  /// Smallest distance over r_max of samples on the same side at most three edges apart. The radius
+  /// of the figures counts pairs across a cut, a crack or a gap too, which no sampling of the
+  /// surface can keep apart; where only those are too close, `radius` is no miss here.
+  double radius_on_sheet = 0.0;
 };
 
 /// Reads, repairs and samples the mesh file `path`, n = max(4000, 40 per component), and holds

@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "tests/figures/survey.h"
 
 namespace {
@@ -80,6 +81,9 @@ int Run(const Options& options) {
             surveys[i].run.error = std::string("exception: ") + e.what();
           }
           surveys[i].run.model = names[i];
+          if (!surveys[i].run.error.empty()) continue;
+          std::fprintf(stderr, "%s: sampled in %.1f s\n", names[i].c_str(),
+                       surveys[i].run.wall_seconds);
         }
       });
     }
@@ -97,6 +101,9 @@ int Run(const Options& options) {
     held += survey.run.Holds();
     std::string row = ccst::figures::FormatRow(survey.run, kWidth);
     std::string extra = "  " + ccst::figures::DescribeRepairs(survey.repairs);
+    if (survey.run.figures.radius_same_side < survey.radius_on_sheet) {
+      absl::StrAppendFormat(&extra, "; radius %.3f on one sheet", survey.radius_on_sheet);
+    }
     if (survey.untriangulated_components > 0) {
       absl::StrAppend(&extra, "; ", survey.untriangulated_samples, " points on ",
                       survey.untriangulated_components, " of ", survey.components, " components");
