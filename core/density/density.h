@@ -67,6 +67,9 @@ class Density {
   std::vector<Eigen::Vector2f> coordinates_;  // 3 F, or empty.
   std::vector<float> pixels_per_area_;        // F: pixels under one unit of area.
   std::vector<Image> pyramid_;                // Of halved sizes, or empty.
+  std::vector<std::int8_t> depths_;           // F: how often a face is quartered.
+  std::vector<std::size_t> tree_starts_;      // F: into means_.
+  std::vector<float> means_;                  // Over the parts of faces, level by level.
   std::vector<double> face_areas_;            // F.
   std::vector<double> face_capacities_;
   std::vector<double> component_capacities_;
