@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -293,13 +294,30 @@ double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring) {
   return 0.0;
 }
 
-double GeometryPhase::MoveBoundary(std::int32_t v, Ring* ring) {
+double GeometryPhase::MoveAlong(std::int32_t v, Ring* ring) {
   const std::int32_t loop = samples_.loop[v];
   const double length = plan_.loops[loop].length;
   const double rate = plan_.loops[loop].rate[plan_.loops[loop].Segment(samples_.arc[v])];
   const Eigen::Vector3d s = samples_.position[v];
   const Eigen::Vector3d n = samples_.normal[v];
-  const Eigen::Vector3d chord = ring->position[0] - ring->position[ring->neighbours - 1];
+  // The neighbours along the line.
+  int ahead = 0;
+  int behind = ring->neighbours - 1;
+  if (samples_.kind[v] == SampleMesh::Kind::kCrease) {
+    ahead = behind = -1;
+    for (int i = 0; i < ring->neighbours; ++i) {
+      if (mesh_.IsLocked(ring->half_edge[i])) (ahead < 0 ? ahead : behind) = i;
+    }
+    if (behind < 0) return 0.0;
+    // The line goes on where the arc grows.
+    const SurfacePoint further = PointOnLoop(
+        surface_, plan_, loop,
+        std::min(samples_.arc[v] + 1e-3 * length, plan_.loops[loop].open ? length : 2.0 * length));
+    if ((further.position - s).dot(ring->position[ahead] - ring->position[behind]) < 0.0) {
+      std::swap(ahead, behind);
+    }
+  }
+  const Eigen::Vector3d chord = ring->position[ahead] - ring->position[behind];
   const double chord_length = chord.norm();
   if (!(chord_length > 0.0)) return 0.0;
   const Eigen::Vector3d t = chord / chord_length;
@@ -311,16 +329,21 @@ double GeometryPhase::MoveBoundary(std::int32_t v, Ring* ring) {
   const double wanted = -gradient.dot(t) / curvature;
   if (!(std::abs(wanted) > 0.1 * rest * ring->spacing)) return 0.0;
   const double nearest =
-      std::min((ring->position[0] - s).norm(), (ring->position[ring->neighbours - 1] - s).norm());
+      std::min((ring->position[ahead] - s).norm(), (ring->position[behind] - s).norm());
   const double longest = std::min(kLongestStep * ring->spacing, 0.4 * nearest);
   const double least = std::min(nearest, kLeastBoundarySpacing * ring->spacing);
   double step = std::clamp(stretch * wanted, -longest, longest);
   for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, step *= 0.5) {
-    double arc = std::fmod(samples_.arc[v] + rate * step + length, length);
+    double arc = samples_.arc[v] + rate * step;
+    if (plan_.loops[loop].open) {
+      if (!(arc > 0.0 && arc < length)) continue;
+    } else {
+      arc = std::fmod(arc + length, length);
+    }
     if (!(arc >= 0.0 && arc < length)) arc = 0.0;
     const SurfacePoint point = PointOnLoop(surface_, plan_, loop, arc);
-    if ((ring->position[0] - point.position).norm() < least ||
-        (ring->position[ring->neighbours - 1] - point.position).norm() < least) {
+    if ((ring->position[ahead] - point.position).norm() < least ||
+        (ring->position[behind] - point.position).norm() < least) {
       continue;
     }
     const Eigen::Vector3d normal = surface_.NormalAt(point.face, point.weights);
@@ -365,7 +388,7 @@ double GeometryPhase::Pass(Interrupt* interrupt) {
     if (interrupt->RequestedAt(v)) break;
     if (!active_[v] || samples_.kind[v] == SampleMesh::Kind::kFixed || !Gather(v, &ring)) continue;
     const double move = samples_.kind[v] == SampleMesh::Kind::kInterior ? MoveInterior(v, &ring)
-                                                                        : MoveBoundary(v, &ring);
+                                                                        : MoveAlong(v, &ring);
     FindSpoiltEdges(v, ring);
     if (!(move > 0.0)) continue;
     const double relative = move / ring.spacing;

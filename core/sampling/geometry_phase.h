@@ -77,7 +77,7 @@ class GeometryPhase {
   Eigen::Vector3d Sum(const Eigen::Vector3d& s, const Eigen::Vector3d& n, Ring* ring,
                       F&& add_edge) const;
   double MoveInterior(std::int32_t v, Ring* ring);
-  double MoveBoundary(std::int32_t v, Ring* ring);
+  double MoveAlong(std::int32_t v, Ring* ring);
   bool Evaluate(const Ring& ring, const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
                 double* energy) const;
 

@@ -85,7 +85,7 @@ class Insertion {
       const auto center = static_cast<std::int32_t>(positions.size());
       Eigen::Vector3d position = Eigen::Vector3d::Zero();
       Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-      const std::vector<std::int32_t>& chain = surface_.boundary_loops()[l].half_edges;
+      const std::vector<std::int32_t>& chain = plan_.loops[l].half_edges;
       for (const std::int32_t h : chain) {
         position += surface_.positions()[surface_.Origin(h)];
         normal += surface_.normals()[surface_.Origin(h)];
@@ -95,10 +95,14 @@ class Insertion {
       }
       positions.push_back(position / static_cast<double>(chain.size()));
       normals.push_back(normal.normalized());
-      components.push_back(surface_.boundary_loops()[l].component);
+      components.push_back(plan_.loops[l].component);
     }
     mesh.SetTriangles(static_cast<std::int32_t>(positions.size()), triangles);
     last_of_face_.assign(surface_.face_count(), -1);
+    for (const LoopPlan& loop : plan_.loops) {
+      if (!loop.crease || plan_.components[loop.component].points) continue;
+      for (const std::int32_t h : loop.half_edges) mesh.Lock(h);
+    }
   }
 
   std::int32_t NewTriangle(std::int32_t face) {
@@ -116,22 +120,32 @@ class Insertion {
       const std::int32_t l = samples_.loop[i];
       if (l < 0 || adopted_[i]) continue;
       const LoopPlan& loop = plan_.loops[l];
-      const std::int32_t h = surface_.boundary_loops()[l].half_edges[loop.Segment(samples_.arc[i])];
+      const std::int32_t h = loop.half_edges[loop.Segment(samples_.arc[i])];
       if (l != last_loop || h != last_half_edge) {
-        ahead = FindEdgeBetween(vertex_of_[surface_.Origin(h)], vertex_of_[surface_.Target(h)], h);
+        ahead = FindEdgeBetween(vertex_of_[surface_.Origin(h)], vertex_of_[surface_.Target(h)]);
       }
-      const std::int32_t slot = NewTriangle(h / 3);
-      mesh.InsertIntoBoundaryEdge(i, ahead, slot);
-      ahead = 3 * slot;
+      if (loop.crease) {
+        const std::int32_t slot1 = NewTriangle(triangle_face_[ahead / 3]);
+        const std::int32_t slot2 = NewTriangle(triangle_face_[mesh.twin[ahead] / 3]);
+        mesh.InsertIntoEdge(i, ahead, slot1, slot2);
+        ahead = 3 * slot1;
+      } else {
+        const std::int32_t slot = NewTriangle(h / 3);
+        mesh.InsertIntoBoundaryEdge(i, ahead, slot);
+        ahead = 3 * slot;
+      }
       last_half_edge = h;
       last_loop = l;
     }
   }
 
-  /// The first half-edge of the work mesh on the surface's boundary half-edge `h`.
-  std::int32_t FindEdgeBetween(std::int32_t from, std::int32_t to, std::int32_t h) const {
-    const std::int32_t leave = mesh.outgoing[from];
-    return mesh.Target(leave) == to ? leave : h;
+  /// The half-edge of the work mesh between two vertices that an edge of the surface joins.
+  std::int32_t FindEdgeBetween(std::int32_t from, std::int32_t to) const {
+    std::int32_t found = -1;
+    mesh.ForEachOutgoing(from, [&](std::int32_t h) {
+      if (mesh.Target(h) == to) found = h;
+    });
+    return found;
   }
 
   double Side(std::int32_t h, const Eigen::Vector3d& p, const Eigen::Vector3d& up) const {
@@ -271,6 +285,11 @@ absl::StatusOr<SampleMesh> BuildInitialMesh(const Surface& surface, const Plan& 
                     LiveTriangles(insertion.mesh, samples.count(), [&](std::int32_t v) {
                       return wanted[insertion.components[v]] != 0;
                     }));
+  for (std::int32_t h = 0; h < static_cast<std::int32_t>(insertion.mesh.locked.size()); ++h) {
+    const std::int32_t from = insertion.mesh.origin[h];
+    if (!insertion.mesh.locked[h] || from < 0 || !wanted[insertion.components[from]]) continue;
+    mesh.Lock(mesh.FindEdge(from, insertion.mesh.Target(h)));
+  }
   EdgeFlips(&mesh, &samples.position, &samples.normal).FlipAll();
   return mesh;
 }

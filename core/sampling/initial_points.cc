@@ -52,7 +52,8 @@ Samples DrawInitialPoints(const Surface& surface, const Density& density, const 
   std::int32_t i = 0;
   for (std::size_t c = 0; c < plan.components.size(); ++c) {
     const ComponentPlan& component = plan.components[c];
-    const auto interior = static_cast<std::int32_t>(component.samples - component.boundary_samples);
+    const auto interior = static_cast<std::int32_t>(component.samples - component.boundary_samples -
+                                                    component.crease_samples);
     const double stratum = density.component_capacities()[c] / std::max(1, interior);
     const auto in_component = [&](std::size_t k) {
       return k < order.size() &&
@@ -80,12 +81,14 @@ Samples DrawInitialPoints(const Surface& surface, const Density& density, const 
     }
     while (in_component(at)) ++at;
     for (std::size_t l = 0; l < plan.loops.size(); ++l) {
-      if (surface.boundary_loops()[l].component != static_cast<std::int32_t>(c)) continue;
       const LoopPlan& loop = plan.loops[l];
+      if (loop.component != static_cast<std::int32_t>(c)) continue;
       for (std::size_t k = 0; k < loop.arcs.size(); ++k, ++i) {
         const auto index = static_cast<std::int32_t>(l);
         samples.Place(i, surface, PointOnLoop(surface, plan, index, loop.arcs[k]));
-        samples.kind[i] = loop.fixed[k] ? SampleMesh::Kind::kFixed : SampleMesh::Kind::kBoundary;
+        samples.kind[i] = loop.fixed[k] ? SampleMesh::Kind::kFixed
+                          : loop.crease ? SampleMesh::Kind::kCrease
+                                        : SampleMesh::Kind::kBoundary;
         samples.component[i] = static_cast<std::int32_t>(c);
         samples.loop[i] = index;
         samples.arc[i] = loop.arcs[k];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -31,13 +32,12 @@ std::int64_t SmallestCount(std::int64_t euler, std::int64_t loops) {
 /// Side of an equilateral triangle of the given area.
 double SideOf(double area) { return std::sqrt(4.0 * area / std::sqrt(3.0)); }
 
-void MeasureLoop(const Surface& surface, const Density& density, const BoundaryLoop& loop,
-                 LoopPlan* plan) {
+void MeasureLoop(const Surface& surface, const Density& density, LoopPlan* plan) {
   double arc = 0.0;
   double length = 0.0;
   double weighed_density = 0.0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  for (const std::int32_t h : loop.half_edges) {
+  for (const std::int32_t h : plan->half_edges) {
     plan->start.push_back(arc);
     const Eigen::Vector3d& a = surface.positions()[surface.Origin(h)];
     const Eigen::Vector3d& b = surface.positions()[surface.Target(h)];
@@ -53,7 +53,7 @@ void MeasureLoop(const Surface& surface, const Density& density, const BoundaryL
   }
   plan->length = arc;
   if (length > 0.0) center /= length;
-  for (const std::int32_t h : loop.half_edges) {
+  for (const std::int32_t h : plan->half_edges) {
     plan->hole_capacity += 0.5 * (surface.positions()[surface.Origin(h)] - center)
                                      .cross(surface.positions()[surface.Target(h)] - center)
                                      .norm();
@@ -63,8 +63,9 @@ void MeasureLoop(const Surface& surface, const Density& density, const BoundaryL
 
 /// Arc lengths of the loop's corners: vertices at which it turns by more than kCornerTurn between
 /// the chords to half a spacing before and after, so that the zigzag of a scan's rim is none. Of
-/// several nearer than 3/4 of a spacing the sharpest counts.
-std::vector<double> FindCorners(const Surface& surface, const Plan& plan, std::int32_t index,
+/// several nearer than 3/4 of a spacing the sharpest counts. Ends of creases always do.
+std::vector<double> FindCorners(const Surface& surface, const Plan& plan,
+                                const std::vector<std::uint8_t>& is_corner, std::int32_t index,
                                 double side) {
   const LoopPlan& loop = plan.loops[index];
   const double reach = std::min(0.5 * side, loop.length / 16.0);
@@ -72,7 +73,13 @@ std::vector<double> FindCorners(const Surface& surface, const Plan& plan, std::i
     return arc < 0.0 ? arc + loop.length : arc >= loop.length ? arc - loop.length : arc;
   };
   std::vector<std::pair<double, double>> turns;  // (-turn, arc)
-  for (const double arc : loop.start) {
+  std::vector<double> corners;
+  for (std::size_t i = 0; i < loop.start.size(); ++i) {
+    const double arc = loop.start[i];
+    if (is_corner[surface.Origin(loop.half_edges[i])]) {
+      corners.push_back(arc);
+      continue;
+    }
     const Eigen::Vector3d here = PointOnLoop(surface, plan, index, arc).position;
     const Eigen::Vector3d before =
         here - PointOnLoop(surface, plan, index, wrap(arc - reach)).position;
@@ -82,7 +89,6 @@ std::vector<double> FindCorners(const Surface& surface, const Plan& plan, std::i
     if (turn > kCornerTurn) turns.emplace_back(-turn, arc);
   }
   std::sort(turns.begin(), turns.end());
-  std::vector<double> corners;
   for (const auto& [turn, arc] : turns) {
     const bool crowded = std::any_of(corners.begin(), corners.end(), [&, at = arc](double other) {
       const double gap = std::abs(at - other);
@@ -137,6 +143,34 @@ void PlaceOnLoop(const std::vector<double>& corners, double side, double offset,
   loop->fixed = std::move(fixed);
 }
 
+/// What is known of the ends of creases.
+struct CornerSet {
+  std::vector<std::uint8_t> is_corner;  ///< Per vertex of the surface.
+  std::vector<std::uint8_t> has_sample;
+};
+
+/// Spreads samples over a crease between two corners, which get one where they have none yet.
+void PlaceOnCrease(const Surface& surface, double side, bool only_one, CornerSet* corners,
+                   LoopPlan* crease) {
+  crease->arcs.clear();
+  crease->fixed.clear();
+  const std::int32_t first = surface.Origin(crease->half_edges.front());
+  const std::int32_t last = surface.Target(crease->half_edges.back());
+  const auto add = [&](double arc, bool fixed) {
+    crease->arcs.push_back(arc);
+    crease->fixed.push_back(fixed);
+  };
+  if (std::exchange(corners->has_sample[first], 1) == 0) add(0.0, true);
+  // A line back to its own corner takes two more samples to be one; of several lines between two
+  // corners all but one need a sample to differ.
+  const std::int64_t least = first == last ? 3 : only_one ? 1 : 2;
+  const auto pieces = std::max<std::int64_t>(least, std::llround(crease->length / side));
+  for (std::int64_t i = 1; i < pieces; ++i) {
+    add(crease->length * static_cast<double>(i) / static_cast<double>(pieces), false);
+  }
+  if (std::exchange(corners->has_sample[last], 1) == 0) add(crease->length, true);
+}
+
 /// Shares of `count` in proportion to `areas`, by largest remainders; ties by index.
 std::vector<std::int64_t> Shares(const std::vector<double>& areas, double total,
                                  std::int64_t count) {
@@ -165,7 +199,8 @@ absl::Status TooSmall(std::int64_t count) {
 
 }  // namespace
 
-absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density, std::int64_t count,
+absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density,
+                              const std::vector<Crease>& creases, std::int64_t count,
                               std::uint64_t seed, std::int64_t* smallest) {
   Plan plan;
   const double area = surface.area();
@@ -177,7 +212,9 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density, st
   std::vector<std::int64_t> euler = surface.component_eulers();
   const std::vector<double>& capacities = density.component_capacities();
   for (std::size_t l = 0; l < loops.size(); ++l) {
-    MeasureLoop(surface, density, loops[l], &plan.loops[l]);
+    plan.loops[l].half_edges = loops[l].half_edges;
+    plan.loops[l].component = loops[l].component;
+    MeasureLoop(surface, density, &plan.loops[l]);
     plan.loops[l].closed = plan.loops[l].length < 3.0 * plan.spacing &&
                            plan.loops[l].hole_capacity < 0.5 * capacities[loops[l].component];
     if (plan.loops[l].closed) {
@@ -186,6 +223,22 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density, st
     } else {
       ++open_loops[loops[l].component];
     }
+  }
+  CornerSet corners;
+  corners.is_corner.assign(surface.vertex_count(), 0);
+  std::map<std::pair<std::int32_t, std::int32_t>, int> lines_between;
+  for (const Crease& crease : creases) {
+    LoopPlan& line = plan.loops.emplace_back();
+    line.half_edges = crease.half_edges;
+    line.component = crease.component;
+    line.crease = true;
+    line.open = !crease.closed;
+    MeasureLoop(surface, density, &line);
+    if (crease.closed) continue;
+    const std::int32_t first = surface.Origin(crease.half_edges.front());
+    const std::int32_t last = surface.Target(crease.half_edges.back());
+    corners.is_corner[first] = corners.is_corner[last] = 1;
+    ++lines_between[std::minmax(first, last)];
   }
   std::vector<std::int64_t> least(component_count);
   for (std::size_t c = 0; c < component_count; ++c) {
@@ -202,13 +255,13 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density, st
     ComponentPlan& component = plan.components[c];
     component.samples = shares[c];
     if (component.samples < least[c]) {
-      plan.MakePoints(surface, static_cast<std::int32_t>(c));
+      plan.MakePoints(static_cast<std::int32_t>(c));
       continue;
     }
     double covered = capacities[c];
     std::vector<std::size_t> own;
-    for (std::size_t l = 0; l < loops.size(); ++l) {
-      if (loops[l].component != static_cast<std::int32_t>(c)) continue;
+    for (std::size_t l = 0; l < plan.loops.size(); ++l) {
+      if (plan.loops[l].component != static_cast<std::int32_t>(c)) continue;
       if (plan.loops[l].closed) {
         covered += plan.loops[l].hole_capacity;
       } else {
@@ -224,24 +277,41 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density, st
       const double side =
           SideOf(covered / static_cast<double>(std::max<std::int64_t>(1, triangles())));
       std::int64_t total = 0;
+      component.crease_samples = 0;
+      corners.has_sample.assign(creases.empty() ? 0 : surface.vertex_count(), 0);
       for (const std::size_t l : own) {
+        LoopPlan& loop = plan.loops[l];
         const double offset = CounterRandom(seed, kLoopStream).Uniform(l);
-        PlaceOnLoop(FindCorners(surface, plan, static_cast<std::int32_t>(l), side), side, offset,
-                    &plan.loops[l]);
-        total += static_cast<std::int64_t>(plan.loops[l].arcs.size());
+        if (loop.open) {
+          const auto ends = std::minmax(surface.Origin(loop.half_edges.front()),
+                                        surface.Target(loop.half_edges.back()));
+          PlaceOnCrease(surface, side, lines_between[ends] == 1, &corners, &loop);
+        } else if (loop.crease) {
+          PlaceOnLoop({}, side, offset, &loop);
+        } else {
+          PlaceOnLoop(
+              FindCorners(surface, plan, corners.is_corner, static_cast<std::int32_t>(l), side),
+              side, offset, &loop);
+          total += static_cast<std::int64_t>(loop.arcs.size());
+          if (creases.empty()) continue;
+          for (const std::int32_t h : loop.half_edges) {
+            const std::int32_t v = surface.Origin(h);
+            corners.has_sample[v] |= corners.is_corner[v];
+          }
+        }
+        if (loop.crease) component.crease_samples += static_cast<std::int64_t>(loop.arcs.size());
       }
       if (total == component.boundary_samples) break;
       component.boundary_samples = total;
     }
-    if (component.boundary_samples > component.samples || triangles() < 1) {
+    const std::int64_t held = component.boundary_samples + component.crease_samples;
+    if (held > component.samples || triangles() < 1) {
       if (component_count > 1) {
-        plan.MakePoints(surface, static_cast<std::int32_t>(c));
+        plan.MakePoints(static_cast<std::int32_t>(c));
         continue;
       }
-      *smallest = std::max(
-          count + 1,
-          static_cast<std::int64_t>(std::ceil(static_cast<double>(component.boundary_samples + 1) *
-                                              area / capacities[c])));
+      *smallest = std::max(count + 1, static_cast<std::int64_t>(std::ceil(
+                                          static_cast<double>(held + 1) * area / capacities[c])));
       return TooSmall(count);
     }
     component.triangles = triangles();
@@ -255,28 +325,28 @@ std::ptrdiff_t LoopPlan::Segment(double arc) const {
   return std::max<std::ptrdiff_t>(0, after - start.begin() - 1);
 }
 
-void Plan::MakePoints(const Surface& surface, std::int32_t c) {
+void Plan::MakePoints(std::int32_t c) {
   components[c].points = true;
   components[c].boundary_samples = 0;
+  components[c].crease_samples = 0;
   components[c].triangles = 0;
-  for (std::size_t l = 0; l < loops.size(); ++l) {
-    if (surface.boundary_loops()[l].component != c) continue;
-    closed_loops -= loops[l].closed;
-    loops[l].closed = false;
-    loops[l].arcs.clear();
-    loops[l].fixed.clear();
+  for (LoopPlan& loop : loops) {
+    if (loop.component != c) continue;
+    closed_loops -= loop.closed;
+    loop.closed = false;
+    loop.arcs.clear();
+    loop.fixed.clear();
   }
 }
 
 SurfacePoint PointOnLoop(const Surface& surface, const Plan& plan, std::int32_t index, double arc) {
   const LoopPlan& loop = plan.loops[index];
-  const BoundaryLoop& chain = surface.boundary_loops()[index];
   const std::ptrdiff_t i = loop.Segment(arc);
   const double begin = loop.start[i];
   const double end =
       i + 1 < static_cast<std::ptrdiff_t>(loop.start.size()) ? loop.start[i + 1] : loop.length;
   const double t = end > begin ? std::clamp((arc - begin) / (end - begin), 0.0, 1.0) : 0.0;
-  const std::int32_t h = chain.half_edges[i];
+  const std::int32_t h = loop.half_edges[i];
   SurfacePoint point;
   point.face = h / 3;
   point.weights[h % 3] = 1.0 - t;

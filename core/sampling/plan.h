@@ -6,13 +6,19 @@
 
 #include "absl/status/statusor.h"
 #include "core/density/density.h"
+#include "core/sampling/creases.h"
 #include "core/surface/surface.h"
 
 namespace ccst {
 
-/// One boundary loop as a polyline with arc lengths, and where its samples start. Arc lengths are
-/// weighed by the square root of the density, so that samples belong at equal distances.
+/// One boundary loop or crease as a polyline with arc lengths, and where its samples start. Arc
+/// lengths are weighed by the square root of the density, so that samples belong at equal
+/// distances.
 struct LoopPlan {
+  std::vector<std::int32_t> half_edges;  ///< In walking order.
+  std::int32_t component = 0;
+  bool crease = false;
+  bool open = false;          ///< A crease between two corners.
   bool closed = false;        ///< Too short for samples: closed in the sample mesh.
   std::vector<double> start;  ///< Arc length at which each of the loop's half-edges starts.
   std::vector<double> rate;   ///< Per half-edge: arc length a unit of length, sqrt(density).
@@ -27,8 +33,9 @@ struct LoopPlan {
 
 /// How many samples go where.
 struct ComponentPlan {
-  std::int64_t samples = 0;  ///< Boundary samples included.
+  std::int64_t samples = 0;  ///< Those on boundaries and creases included.
   std::int64_t boundary_samples = 0;
+  std::int64_t crease_samples = 0;
   std::int64_t triangles = 0;  ///< Of the sample mesh.
   double target = 0.0;         ///< C*, the target capacity of a sample triangle.
   bool points = false;         ///< Too small for a triangulation: samples stay as they are drawn.
@@ -36,7 +43,7 @@ struct ComponentPlan {
 
 struct Plan {
   std::vector<ComponentPlan> components;
-  std::vector<LoopPlan> loops;
+  std::vector<LoopPlan> loops;  ///< The boundary loops of the surface, then creases.
   /// r_max = sqrt(2 A / (sqrt(3) n)), the hexagonal spacing where the density is 1, its mean.
   double spacing = 0.0;
   std::int64_t closed_loops = 0;
@@ -44,15 +51,17 @@ struct Plan {
   /// Hexagonal spacing where the density is `rho`.
   double LocalSpacing(double rho) const { return spacing / std::sqrt(rho); }
   /// Gives up the triangulation of component `c`; its samples stay as many.
-  void MakePoints(const Surface& surface, std::int32_t c);
+  void MakePoints(std::int32_t c);
 };
 
 /// Shares `count` samples out over components by capacity (largest remainders) and over boundary
 /// loops by spacing; corners of a loop (turning by more than 60 degrees) get a sample that stays.
 /// Of several components those too small for a triangulation get points instead.
+/// @param creases   lines to keep samples on; a sample stays at each of their corners.
 /// @param smallest  set to the smallest larger count that may work when `count` is too small.
 /// @errors INVALID_ARGUMENT COUNT_TOO_SMALL for the topology of the only component.
-absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density, std::int64_t count,
+absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density,
+                              const std::vector<Crease>& creases, std::int64_t count,
                               std::uint64_t seed, std::int64_t* smallest);
 
 /// Point of loop `index` at arc length `arc` (taken modulo the length).

@@ -10,6 +10,7 @@ void SampleMesh::SetTriangles(std::int32_t vertex_count,
   const auto half_edges = static_cast<std::int32_t>(3 * triangles.size());
   origin.resize(half_edges);
   twin.assign(half_edges, -1);
+  locked.clear();
   outgoing.assign(vertex_count, -1);
   std::vector<std::int32_t> start(vertex_count + 1, 0);
   for (std::int32_t h = 0; h < half_edges; ++h) {
@@ -47,6 +48,13 @@ void SampleMesh::SetTriangles(std::int32_t vertex_count,
 void SampleMesh::Pair(std::int32_t a, std::int32_t b) {
   if (a >= 0) twin[a] = b;
   if (b >= 0) twin[b] = a;
+  if (!locked.empty() && a >= 0) locked[a] = b >= 0 ? locked[b] : 0;
+}
+
+void SampleMesh::Lock(std::int32_t h) {
+  if (locked.empty()) locked.assign(origin.size(), 0);
+  locked[h] = 1;
+  if (twin[h] >= 0) locked[twin[h]] = 1;
 }
 
 /// Lets the origin of `h` leave through `h`, unless it already leaves through the boundary.
@@ -59,12 +67,14 @@ void SampleMesh::SetTriangle(std::int32_t t, std::int32_t a, std::int32_t b, std
   origin[3 * t] = a;
   origin[3 * t + 1] = b;
   origin[3 * t + 2] = c;
+  if (!locked.empty()) std::fill_n(locked.begin() + 3 * t, 3, std::uint8_t{0});
 }
 
 std::int32_t SampleMesh::NewTriangle() {
   const std::int32_t t = triangle_count();
   origin.insert(origin.end(), 3, -1);
   twin.insert(twin.end(), 3, -1);
+  if (!locked.empty()) locked.insert(locked.end(), 3, 0);
   return t;
 }
 
@@ -85,7 +95,7 @@ std::int32_t SampleMesh::FindEdge(std::int32_t a, std::int32_t b) const {
 
 bool SampleMesh::CanFlip(std::int32_t h) const {
   const std::int32_t g = twin[h];
-  if (g < 0) return false;
+  if (g < 0 || IsLocked(h)) return false;
   const std::int32_t c = Apex(h);
   const std::int32_t d = Apex(g);
   if (c == d) return false;
@@ -133,6 +143,16 @@ bool SampleMesh::CanCollapse(std::int32_t h) const {
   const bool on_boundary = IsBoundary(v);
   const std::int32_t edge_triangles = g >= 0 ? 2 : 1;
   if (on_boundary && g >= 0) return false;  // Must go along the boundary.
+  if (!locked.empty() && !IsLocked(h)) {
+    bool held = false;
+    ForEachOutgoing(v, [&](std::int32_t e) { held = held || IsLocked(e); });
+    if (held) return false;
+  }
+  // Two lines must not become one.
+  const auto joins_lines = [&](std::int32_t side) {
+    return IsLocked(Next(side)) && IsLocked(Previous(side));
+  };
+  if (joins_lines(h) || (g >= 0 && joins_lines(g))) return false;
   const auto apex_stays = [&](std::int32_t side) {
     const std::int32_t apex = Apex(side);
     const std::int32_t degree = Degree(apex);
@@ -175,7 +195,9 @@ void SampleMesh::Collapse(std::int32_t h) {
     const std::int32_t apex = Apex(e);
     const std::int32_t into_w = twin[Next(e)];      // apex -> end of e
     const std::int32_t from_w = twin[Previous(e)];  // start of e -> apex
+    const bool lock = IsLocked(Next(e)) || IsLocked(Previous(e));
     Pair(into_w, from_w);
+    if (lock && into_w >= 0 && from_w >= 0) Lock(into_w);
     const std::int32_t t = e / 3;
     for (std::int32_t k = 3 * t; k < 3 * t + 3; ++k) {
       origin[k] = -1;
@@ -209,7 +231,9 @@ void SampleMesh::InsertIntoTriangle(std::int32_t v, std::int32_t t, std::int32_t
   const std::int32_t c = origin[3 * t + 2];
   const std::int32_t bc = twin[3 * t + 1];
   const std::int32_t ca = twin[3 * t + 2];
+  const bool lock = IsLocked(3 * t);
   SetTriangle(t, a, b, v);
+  if (lock) Lock(3 * t);
   SetTriangle(slot1, b, c, v);
   SetTriangle(slot2, c, a, v);
   Pair(3 * slot1, bc);
@@ -237,6 +261,33 @@ void SampleMesh::InsertIntoBoundaryEdge(std::int32_t v, std::int32_t h, std::int
   Pair(next, 3 * slot + 2);
   if (before == next) outgoing[b] = 3 * slot + 1;
   outgoing[v] = 3 * slot;
+}
+
+void SampleMesh::InsertIntoEdge(std::int32_t v, std::int32_t h, std::int32_t slot1,
+                                std::int32_t slot2) {
+  // (a b c) becomes (a v c) and (v b c), (b a d) becomes (b v d) and (v a d).
+  const std::int32_t g = twin[h];
+  const std::int32_t a = origin[h];
+  const std::int32_t b = origin[g];
+  const std::int32_t bc = twin[Next(h)];
+  const std::int32_t ad = twin[Next(g)];
+  const bool lock = IsLocked(h);
+  SetTriangle(slot1, v, b, Apex(h));
+  SetTriangle(slot2, v, a, Apex(g));
+  Pair(3 * slot1 + 1, bc);
+  Pair(3 * slot2 + 1, ad);
+  if (outgoing[b] == Next(h)) outgoing[b] = 3 * slot1 + 1;
+  if (outgoing[a] == Next(g)) outgoing[a] = 3 * slot2 + 1;
+  origin[Next(h)] = v;
+  origin[Next(g)] = v;
+  Pair(Next(h), 3 * slot1 + 2);
+  Pair(Next(g), 3 * slot2 + 2);
+  Pair(h, 3 * slot2);
+  Pair(g, 3 * slot1);
+  outgoing[v] = 3 * slot1;
+  if (!lock) return;
+  Lock(h);
+  Lock(g);
 }
 
 }  // namespace ccst

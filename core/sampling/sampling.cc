@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -32,6 +33,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// Shorter creases are noise at the scale of the samples, in spacings.
+constexpr double kLeastCrease = 4.0;
+
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -50,6 +54,8 @@ SurfaceSummary Summarise(const Surface& surface, const Plan& plan) {
   summary.boundary_loops = static_cast<std::int64_t>(surface.boundary_loops().size());
   for (const std::int64_t euler : surface.component_eulers()) summary.euler += euler;
   summary.closed_loops = plan.closed_loops;
+  summary.creases = std::count_if(plan.loops.begin(), plan.loops.end(),
+                                  [](const LoopPlan& loop) { return loop.crease; });
   for (const ComponentPlan& component : plan.components) {
     if (!component.points) continue;
     ++summary.untriangulated_components;
@@ -66,11 +72,12 @@ struct Start {
 };
 
 /// @param smallest  set to the next count worth trying when this one is too small.
-absl::StatusOr<Start> TryStart(const Surface& surface, const Density& density, std::int64_t count,
+absl::StatusOr<Start> TryStart(const Surface& surface, const Density& density,
+                               const std::vector<Crease>& creases, std::int64_t count,
                                std::uint64_t seed, Interrupt* interrupt, std::int64_t* smallest) {
   Start start;
   *smallest = count + 1;
-  CCST_ASSIGN_OR_RETURN(start.plan, MakePlan(surface, density, count, seed, smallest));
+  CCST_ASSIGN_OR_RETURN(start.plan, MakePlan(surface, density, creases, count, seed, smallest));
   start.samples = DrawInitialPoints(surface, density, start.plan, seed);
   std::vector<std::int32_t> failed;
   const bool several = start.plan.components.size() > 1;
@@ -78,7 +85,7 @@ absl::StatusOr<Start> TryStart(const Surface& surface, const Density& density, s
                                                      several ? &failed : nullptr));
   if (failed.empty()) return start;
   // Those components get points instead; drawing again changes nothing on the others.
-  for (const std::int32_t c : failed) start.plan.MakePoints(surface, c);
+  for (const std::int32_t c : failed) start.plan.MakePoints(c);
   start.samples = DrawInitialPoints(surface, density, start.plan, seed);
   return start;
 }
@@ -87,15 +94,20 @@ absl::StatusOr<Start> TryStart(const Surface& surface, const Density& density, s
 /// that works with this seed.
 absl::StatusOr<Start> MakeStart(const Surface& surface, const Density& density,
                                 const SamplingOptions& options, Interrupt* interrupt) {
+  std::vector<Crease> creases;
+  if (options.crease_angle.has_value()) {
+    const double spacing = quality::HexagonalSpacing(surface.area(), options.sample_count);
+    creases = FindCreases(surface, *options.crease_angle, kLeastCrease * spacing);
+  }
   std::int64_t next = 0;
   absl::StatusOr<Start> start =
-      TryStart(surface, density, options.sample_count, options.seed, interrupt, &next);
+      TryStart(surface, density, creases, options.sample_count, options.seed, interrupt, &next);
   constexpr int kMaxTries = 64;
   for (int attempt = 0; attempt < kMaxTries && next <= kMaxSampleCount; ++attempt) {
     if (start.ok() || GetErrorReason(start.status()) != ErrorReason::kCountTooSmall) return start;
     const std::int64_t count = next;
     const absl::StatusOr<Start> other =
-        TryStart(surface, density, count, options.seed, interrupt, &next);
+        TryStart(surface, density, creases, count, options.seed, interrupt, &next);
     if (absl::IsCancelled(other.status())) return other.status();
     if (!other.ok()) continue;
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
@@ -176,6 +188,10 @@ absl::Status SamplingOptions::Validate() const {
   if (time_limit_seconds.has_value() && !(*time_limit_seconds > 0.0)) {
     return OptionError(
         absl::StrCat("time_limit_seconds is ", *time_limit_seconds, "; it must be greater than 0"));
+  }
+  if (crease_angle.has_value() && !(*crease_angle > 0.0 && *crease_angle < std::numbers::pi)) {
+    return OptionError(
+        absl::StrCat("crease_angle is ", *crease_angle, "; it must be in (0, pi) radians"));
   }
   CCST_RETURN_IF_ERROR(ValidateDensity(density));
   if (!(weld_tolerance >= 0.0) || !std::isfinite(weld_tolerance)) {

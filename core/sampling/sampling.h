@@ -87,6 +87,9 @@ struct SamplingOptions {
   std::uint64_t seed = 0;            ///< Part of the result's identity.
   Energy energy = Energy::kTarget;
   DensityOptions density;
+  /// Samples and edges of the sample mesh stay on edges at which the faces turn by more than this
+  /// [rad], in (0, pi); corners get a sample that stays. For CCST only.
+  std::optional<double> crease_angle;
   /// Wall-clock bound of the computation [s], > 0; a run that hits it returns its last whole
   /// iterate. Results then depend on the machine.
   std::optional<double> time_limit_seconds;
@@ -109,7 +112,8 @@ struct SurfaceSummary {
   double diagonal = 0.0;  ///< Of the bounding box [mesh unit].
   std::int64_t components = 0;
   std::int64_t boundary_loops = 0;
-  std::int64_t euler = 0;  ///< V - E + F.
+  std::int64_t creases = 0;  ///< Lines between corners that samples were kept on.
+  std::int64_t euler = 0;    ///< V - E + F.
   std::int64_t closed_loops =
       0;  ///< Boundary loops too short for samples, closed in the sample mesh.
   /// Components too small for a triangulation at this sample_count, and how many samples lie on

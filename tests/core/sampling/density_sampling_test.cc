@@ -86,7 +86,7 @@ struct DensityStart {
         density(*Density::Linear(surface, std::move(corners), 1e6)) {
     Interrupt never;
     std::int64_t smallest = 0;
-    plan = *MakePlan(surface, density, count, 1, &smallest);
+    plan = *MakePlan(surface, density, {}, count, 1, &smallest);
     samples = DrawInitialPoints(surface, density, plan, 1);
     mesh = *BuildInitialMesh(surface, plan, samples, &never);
   }

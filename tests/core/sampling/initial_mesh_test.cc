@@ -114,7 +114,7 @@ TEST(BuildInitialMesh, BoundariesLeaveFewTrianglesTurnedOver) {
 TEST(BuildInitialMesh, StopGivesCancelled) {
   const Surface surface = *Surface::Build(shapes::Icosphere(4));
   std::int64_t smallest = 0;
-  const Plan plan = *MakePlan(surface, Density::Uniform(surface), 20000, 0, &smallest);
+  const Plan plan = *MakePlan(surface, Density::Uniform(surface), {}, 20000, 0, &smallest);
   const Samples samples = DrawInitialPoints(surface, Density::Uniform(surface), plan, 0);
   std::stop_source stop;
   stop.request_stop();

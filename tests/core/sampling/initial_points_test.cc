@@ -23,7 +23,7 @@ struct Drawn {
 Drawn Draw(const TriangleMesh& mesh, std::int64_t count, std::uint64_t seed) {
   Surface surface = *Surface::Build(mesh);
   std::int64_t smallest = 0;
-  Plan plan = *MakePlan(surface, Density::Uniform(surface), count, seed, &smallest);
+  Plan plan = *MakePlan(surface, Density::Uniform(surface), {}, count, seed, &smallest);
   Samples samples = DrawInitialPoints(surface, Density::Uniform(surface), plan, seed);
   return {std::move(surface), std::move(plan), std::move(samples)};
 }
@@ -107,7 +107,7 @@ TEST(DrawInitialPoints, FacesWithoutAreaAreFine) {
   ASSERT_TRUE(surface.ok()) << surface.status();
   std::int64_t smallest = 0;
   const absl::StatusOr<Plan> plan =
-      MakePlan(*surface, Density::Uniform(*surface), 300, 0, &smallest);
+      MakePlan(*surface, Density::Uniform(*surface), {}, 300, 0, &smallest);
   ASSERT_TRUE(plan.ok()) << plan.status();
   const Samples samples = DrawInitialPoints(*surface, Density::Uniform(*surface), *plan, 0);
   EXPECT_EQ(samples.count(), 300);

@@ -17,7 +17,7 @@ namespace {
 
 absl::StatusOr<Plan> Make(const Surface& surface, std::int64_t count, std::uint64_t seed) {
   std::int64_t smallest = 0;
-  return MakePlan(surface, Density::Uniform(surface), count, seed, &smallest);
+  return MakePlan(surface, Density::Uniform(surface), {}, count, seed, &smallest);
 }
 
 TEST(MakePlan, ComponentsGetLargestRemainders) {
@@ -138,7 +138,7 @@ TEST(MakePlan, TooFewSamplesGiveTheNextCountWorthTrying) {
     const Surface surface = *Surface::Build(mesh);
     std::int64_t smallest = 0;
     const absl::Status status =
-        MakePlan(surface, Density::Uniform(surface), 4, 0, &smallest).status();
+        MakePlan(surface, Density::Uniform(surface), {}, 4, 0, &smallest).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_EQ(GetErrorReason(status), ErrorReason::kCountTooSmall);
     EXPECT_THAT(std::string(status.message()), testing::HasSubstr("sample_count 4"));
