@@ -1,6 +1,7 @@
 #include "client/cli/flags.h"
 
 #include <algorithm>
+#include <numbers>
 #include <string>
 #include <thread>
 #include <utility>
@@ -88,6 +89,7 @@ struct Flags {
   bool local = false;
   std::optional<int> threads;
   std::optional<int> max_iterations;
+  std::optional<double> crease_angle;  // Degrees.
 };
 
 void AddServer(CLI::App& app, Flags& flags) {
@@ -144,6 +146,10 @@ CLI::App* AddSample(CLI::App& app, Flags& flags) {
       ->capture_default_str();
   sub->add_flag("--bright-is-dense", c.options.density.bright_is_dense,
                 "Bright places of the image get more samples, not dark ones");
+  sub->add_option("--crease-angle", flags.crease_angle,
+                  "Keep samples on edges at which the faces turn by more than this")
+      ->type_name("DEGREES")
+      ->check(CLI::Range(0.0, 180.0).description(""));
   AddChoice(*sub, "--energy", kEnergies, c.options.energy,
             "What is minimised: target, or squared-area as printed in the paper");
   sub->add_option("--max-iterations", flags.max_iterations,
@@ -233,6 +239,9 @@ Command ParseCommandLine(int argc, const char* const* argv, const char* environm
   if (!sample->parsed()) {
     flags.info.server = server;
     return flags.info;
+  }
+  if (flags.crease_angle.has_value()) {
+    flags.sample.options.crease_angle = *flags.crease_angle * std::numbers::pi / 180.0;
   }
   flags.sample.options.max_iterations =
       flags.max_iterations.value_or(DefaultMaxIterations(flags.sample.options.method));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <string>
 
 #include "proto/convert/enums.h"
@@ -127,6 +128,7 @@ v1::SamplingOptions ToProto(const SamplingOptions& options) {
   message.set_relative_tolerance(options.relative_tolerance);
   message.set_seed(options.seed);
   message.set_method(ToProto(options.method));
+  if (options.crease_angle.has_value()) message.set_crease_angle_radians(*options.crease_angle);
   message.set_energy(ToProto(options.energy));
   SetDensity(options.density, message);
   message.set_weld_tolerance(options.weld_tolerance);
@@ -181,6 +183,12 @@ SamplingOptions FromProto(const v1::SamplingOptions& options, const RequestLimit
           std::min(limits.max_job_seconds, SecondsFromProto(options.time_limit()));
     } else {
       violations.Add(prefix + "time_limit", "must be a valid duration above 0");
+    }
+  }
+  if (options.has_crease_angle_radians()) {
+    result.crease_angle = options.crease_angle_radians();
+    if (!(*result.crease_angle > 0.0 && *result.crease_angle < std::numbers::pi)) {
+      violations.Add(prefix + "crease_angle_radians", "must be in (0, pi)");
     }
   }
   result.density = DensityFromProto(options, limits, prefix, violations);
