@@ -53,7 +53,11 @@ void Fill(Message& message, int& next) {
         reflection.SetUInt64(&message, field, static_cast<std::uint64_t>(next));
         break;
       case FieldDescriptor::CPPTYPE_DOUBLE:
-        reflection.SetDouble(&message, field, next + 0.25);
+        // In the range of every option.
+        reflection.SetDouble(&message, field, 1.0 + next / 1024.0);
+        break;
+      case FieldDescriptor::CPPTYPE_BOOL:
+        reflection.SetBool(&message, field, true);
         break;
       case FieldDescriptor::CPPTYPE_STRING:
         reflection.SetString(&message, field, "text " + std::to_string(next));
@@ -94,6 +98,15 @@ TEST(Convert, SamplingOptionsKeepEveryField) {
   const auto options = FromProto(message);
   ASSERT_TRUE(options.ok()) << options.status();
   ExpectSame(message, ToProto(*options));
+}
+
+TEST(Convert, DensitiesKeepEveryField) {
+  auto message = Filled<v1::SamplingOptions>();
+  int next = 10;
+  Fill(*message.mutable_attribute(), next);
+  ExpectSame(message, ToProto(*FromProto(message)));
+  Fill(*message.mutable_curvature(), next);
+  ExpectSame(message, ToProto(*FromProto(message)));
 }
 
 TEST(Convert, SurfaceSummaryKeepsEveryField) {

@@ -37,6 +37,7 @@ std::string Tetrahedron() {
 TEST(Transport, OverlongMeshIsRefusedWithItsLimit) {
   ServerOptions options;
   options.request_limits.max_inline_mesh_bytes = 1000;
+  options.request_limits.max_texture_bytes = 1000;
   TestServer server(QuickSampler(), options);
   v1::SampleRequest request = Request();
   request.mutable_inline_mesh()->set_data(std::string(1001, 'x'));

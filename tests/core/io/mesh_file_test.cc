@@ -33,7 +33,9 @@ TEST(MeshFormat, FollowsTheExtensionInAnyCase) {
   EXPECT_EQ(MeshFormatFromPath("b.x.Stl"), MeshFormat::kStl);
   EXPECT_EQ(MeshFormatFromPath("b.off"), MeshFormat::kOff);
   EXPECT_EQ(MeshFormatFromPath("b.drc"), MeshFormat::kDraco);
-  for (const char* path : {"", "obj", "b.glb", "b.obj.gz", "b.", "drc/b"}) {
+  EXPECT_EQ(MeshFormatFromPath("b.Glb"), MeshFormatFromPath("b.gltf"));
+  EXPECT_TRUE(MeshFormatFromPath("b.gltf").has_value());
+  for (const char* path : {"", "obj", "b.fbx", "b.obj.gz", "b.", "drc/b"}) {
     EXPECT_FALSE(MeshFormatFromPath(path).has_value()) << path;
   }
   EXPECT_EQ(MeshOutputFormatFromPath("b.GLB"), MeshOutputFormat::kGlb);
