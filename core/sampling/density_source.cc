@@ -19,6 +19,9 @@ namespace {
 
 /// Share of the area whose curvatures count as they are.
 constexpr double kCurvatureQuantile = 0.99;
+/// Times that curvatures are averaged with those around: one vertex's is an estimate from its ring,
+/// and noise would be followed like shape.
+constexpr int kCurvatureSmoothing = 3;
 
 absl::Status OptionError(const std::string& message) {
   return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kOptionInvalid, message);
@@ -84,6 +87,25 @@ double Measure(const PrincipalCurvatures& curvature, CurvatureMeasure measure) {
   return 0.0;
 }
 
+/// Mean of each vertex's value, which counts half, and those of its faces' corners by area.
+std::vector<double> RingMeans(const Surface& surface, const std::vector<double>& values) {
+  std::vector<double> sums(values.size(), 0.0);
+  std::vector<double> weights(values.size(), 0.0);
+  for (std::int32_t f = 0; f < surface.face_count(); ++f) {
+    const Eigen::Vector3i& face = surface.faces()[f];
+    const double area = surface.face_areas()[f];
+    const double sum = values[face[0]] + values[face[1]] + values[face[2]];
+    for (int k = 0; k < 3; ++k) {
+      sums[face[k]] += area * (sum - values[face[k]]);
+      weights[face[k]] += 2.0 * area;
+    }
+  }
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    sums[v] = weights[v] > 0.0 ? 0.5 * (values[v] + sums[v] / weights[v]) : values[v];
+  }
+  return sums;
+}
+
 /// The value that `share` of the total weight does not exceed.
 double Quantile(const std::vector<double>& values, const std::vector<double>& weights,
                 double share) {
@@ -114,6 +136,7 @@ absl::StatusOr<Density> FromCurvature(const Surface& surface, const DensityOptio
     measured[v] = Measure(Diagonalise(surface.ShapeAt(h / 3, weights), surface.normals()[v]),
                           options.measure);
   }
+  for (int step = 0; step < kCurvatureSmoothing; ++step) measured = RingMeans(surface, measured);
   const double largest = Quantile(measured, areas, kCurvatureQuantile);
   // A plane, or a developable surface under its Gaussian curvature.
   constexpr double kFlat = 1e-6;

@@ -15,8 +15,9 @@ absl::Status ValidateDensity(const DensityOptions& options);
 
 /// The density that `options` ask for on `surface`, whose faces lie on those of `mesh` as `sources`
 /// says.
-/// Curvatures beyond their 99th percentile by area are cut off there: at a crease they measure the
-/// mesh instead of the shape, and contrast is counted from the largest.
+/// Curvatures are averaged over three rings; those beyond their 99th percentile by area are cut off
+/// there: at a crease they measure the mesh instead of the shape, and contrast is counted from the
+/// largest.
 /// @errors INVALID_ARGUMENT DENSITY_INVALID: no such attribute or no texture coordinates (names
 ///         those there are), a value that is negative or not finite, zero everywhere.
 /// Cost O(F), and O(pixels) for an image.

@@ -94,6 +94,11 @@ double GeometryPhase::MeanDensity(std::int32_t t) const {
   return 0.25 * sum;
 }
 
+void GeometryPhase::UpdateAllDensities() {
+  std::fill(is_outdated_.begin(), is_outdated_.end(), std::uint8_t{1});
+  UpdateDensities();
+}
+
 void GeometryPhase::UpdateDensities() {
   if (density_.uniform()) return;
   for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {

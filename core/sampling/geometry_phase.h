@@ -41,6 +41,9 @@ class GeometryPhase {
   /// Does nothing where the density is uniform. Cost O(such triangles).
   void UpdateDensities();
 
+  /// The same over all triangles: the mesh or the samples were replaced.
+  void UpdateAllDensities();
+
   /// Marks `v`, whose triangles have changed, and its neighbours for the next pass.
   void Activate(std::int32_t v);
   void DeactivateAll();

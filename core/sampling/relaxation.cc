@@ -93,6 +93,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
     if (best.defects != std::numeric_limits<std::size_t>::max()) {
       *mesh = std::move(best.mesh);
       *samples = std::move(best.samples);
+      geometry.UpdateAllDensities();
     }
     const GeometryPhase::Spread spread = geometry.MeasureCapacities();
     result.energy = spread.energy;
