@@ -28,7 +28,8 @@ ExitCode Fail(ProgressPrinter& printer, const absl::Status& status, const std::s
 }
 
 absl::StatusOr<SampleOutcome> SampleRemotely(MeshInput& input, const SampleCommand& command,
-                                             ProgressPrinter& printer, std::stop_token stop) {
+                                             ProgressPrinter& printer,
+                                             const std::stop_token& stop) {
   SampleJob job;
   job.draco = std::move(input.draco);
   job.mesh = std::move(input.wire);
@@ -40,7 +41,7 @@ absl::StatusOr<SampleOutcome> SampleRemotely(MeshInput& input, const SampleComma
     printer.Note(absl::StrCat("waiting; jobs ahead: ", snapshot.queue_position()));
   };
   callbacks.on_progress = [&printer](const AlternationReport& report) { printer.Show(report); };
-  return Client::Connect(command.server).Sample(job, callbacks, std::move(stop));
+  return Client::Connect(command.server).Sample(job, callbacks, stop);
 }
 
 constexpr std::int64_t kMaxTextureBytes = std::int64_t{256} << 20;

@@ -85,9 +85,8 @@ absl::Status CheckContrast(double max_contrast) {
       absl::StrCat("max_contrast is ", max_contrast, "; it must be finite and over 1"));
 }
 
-absl::Status Invalid(std::string message) {
-  return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kDensityInvalid,
-                   std::move(message));
+absl::Status Invalid(const std::string& message) {
+  return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kDensityInvalid, message);
 }
 
 }  // namespace
