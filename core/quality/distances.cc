@@ -110,10 +110,35 @@ void KeepCloser(std::int32_t self, const NearestOther& nearest, SamplePair& pair
   pair = {std::min(self, nearest.index()), std::max(self, nearest.index()), distance};
 }
 
+// The closest pair; what is found bounds every further search.
+SamplePair ClosestPair(const Tree& tree, std::span<const Eigen::Vector3d> positions,
+                       std::span<const Eigen::Vector3d> images, const Metric& metric) {
+  SamplePair pair;
+  double bound = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const auto self = static_cast<std::int32_t>(i);
+    const NearestOther nearest =
+        FindNearest(tree, positions[i], images, NearestOther(self, metric, bound));
+    bound = std::min(bound, nearest.squared());
+    KeepCloser(self, nearest, pair);
+  }
+  return pair;
+}
+
 }  // namespace
 
 double HexagonalSpacing(double area, std::int64_t count) {
   return std::sqrt(2.0 * area / (std::sqrt(3.0) * static_cast<double>(count)));
+}
+
+SamplePair FindClosestSameSide(std::span<const Eigen::Vector3d> positions,
+                               std::span<const Eigen::Vector3d> normals,
+                               std::span<const double> scales) {
+  const PointCloud cloud{positions};
+  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(8));
+  Metric metric{normals, scales};
+  if (!scales.empty()) metric.largest_scale = *std::max_element(scales.begin(), scales.end());
+  return ClosestPair(tree, positions, Images(Eigen::Vector3d::Zero()), metric);
 }
 
 DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
@@ -135,20 +160,14 @@ DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
   same.normals = normals;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double sum = 0.0;
-  double same_side_bound = kInfinity;
   for (std::int32_t i = 0; i < count; ++i) {
     const NearestOther any =
         FindNearest(tree, positions[i], images, NearestOther(i, all, kInfinity));
     sum += std::sqrt(any.squared());
     KeepCloser(i, any, figures.closest);
-    if (normals.empty()) continue;
-    // Only the closest pair of all is wanted: what is known bounds every further search.
-    const NearestOther beside =
-        FindNearest(tree, positions[i], images, NearestOther(i, same, same_side_bound));
-    same_side_bound = std::min(same_side_bound, beside.squared());
-    KeepCloser(i, beside, figures.closest_same_side);
   }
-  if (normals.empty()) figures.closest_same_side = figures.closest;
+  figures.closest_same_side =
+      normals.empty() ? figures.closest : ClosestPair(tree, positions, images, same);
   figures.relative_radius = figures.closest.distance / figures.r_max;
   figures.relative_radius_same_side = figures.closest_same_side.distance / figures.r_max;
   figures.mean_nearest_distance = sum / count / figures.r_max;

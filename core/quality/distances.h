@@ -28,6 +28,13 @@ struct DistanceFigures {
   SamplePair closest_same_side;            ///< The pair of relative_radius_same_side.
 };
 
+/// The closest pair on one side, as MeasureDistances() finds it, for a fraction of its cost: what
+/// is found bounds every further search.
+/// @param normals, scales  as there. Equal distances go to the smaller indices.
+SamplePair FindClosestSameSide(std::span<const Eigen::Vector3d> positions,
+                               std::span<const Eigen::Vector3d> normals,
+                               std::span<const double> scales = {});
+
 /// Measures the spacing of `positions` (n x 3, finite).
 /// @param normals       n x 3, those of the host faces; empty: every pair is on the same side.
 /// @param area          of the sampled surface, > 0 [mesh unit^2].

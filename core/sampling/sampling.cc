@@ -142,8 +142,8 @@ double RelativeRadius(const Surface& surface, const Samples& samples,
                      .cross(surface.positions()[face[2]] - corner)
                      .normalized();
   }
-  return quality::MeasureDistances(samples.position, normals, surface.area(), {}, scales)
-      .relative_radius_same_side;
+  return quality::FindClosestSameSide(samples.position, normals, scales).distance /
+         quality::HexagonalSpacing(surface.area(), samples.count());
 }
 
 /// Every prefix well spread, but for white noise, whose own order is as random as it is.
