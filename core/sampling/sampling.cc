@@ -146,11 +146,12 @@ double RelativeRadius(const Surface& surface, const Samples& samples,
          quality::HexagonalSpacing(surface.area(), samples.count());
 }
 
-/// Every prefix well spread, but for white noise, whose own order is as random as it is.
+/// Every prefix well spread, but for white noise, whose own order is as random as it is, and for a
+/// run that was stopped: whoever stops it does not wait for that.
 std::vector<std::int32_t> OrderSamples(const Surface& surface, const Samples& samples,
-                                       const std::vector<double>& scales,
+                                       const std::vector<double>& scales, Termination termination,
                                        const SamplingOptions& options) {
-  if (options.method == SamplingMethod::kWhiteNoise) {
+  if (options.method == SamplingMethod::kWhiteNoise || termination == Termination::kStopped) {
     std::vector<std::int32_t> order(samples.position.size());
     std::iota(order.begin(), order.end(), 0);
     return order;
@@ -279,8 +280,9 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
 
   enter(Phase::kFinalizing);
   const std::vector<double> scales = SpacingScales(surface, density, first.samples);
-  result.samples = ExportSamples(mesh, sources, first.samples, first.mesh,
-                                 OrderSamples(surface, first.samples, scales, options));
+  result.samples =
+      ExportSamples(mesh, sources, first.samples, first.mesh,
+                    OrderSamples(surface, first.samples, scales, result.termination, options));
   if (result.termination != Termination::kStopped) {
     result.relative_radius = RelativeRadius(surface, first.samples, scales);
   }

@@ -157,7 +157,7 @@ struct SamplingResult {
 /// @param options  see SamplingOptions.
 /// @param run      stop and progress; being stopped is a result, not an error.
 /// @return exactly sample_count samples in an order fixed by mesh, options and seed in which every
-///         prefix is well spread (white noise apart). The same
+///         prefix is well spread (but for white noise, and unless it was stopped). The same
 ///         bits for every thread_count, with and without a progress sink.
 /// @errors INVALID_ARGUMENT       OPTION_INVALID | DENSITY_INVALID | MESH_EMPTY | MESH_DEGENERATE
 /// (names the first
