@@ -238,7 +238,7 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density,
     const std::int32_t first = surface.Origin(crease.half_edges.front());
     const std::int32_t last = surface.Target(crease.half_edges.back());
     corners.is_corner[first] = corners.is_corner[last] = 1;
-    ++lines_between[std::minmax(first, last)];
+    ++lines_between[std::minmax({first, last})];
   }
   std::vector<std::int64_t> least(component_count);
   for (std::size_t c = 0; c < component_count; ++c) {
@@ -283,8 +283,9 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density,
         LoopPlan& loop = plan.loops[l];
         const double offset = CounterRandom(seed, kLoopStream).Uniform(l);
         if (loop.open) {
-          const auto ends = std::minmax(surface.Origin(loop.half_edges.front()),
-                                        surface.Target(loop.half_edges.back()));
+          // By value: the ends are temporaries.
+          const std::pair<std::int32_t, std::int32_t> ends = std::minmax(
+              {surface.Origin(loop.half_edges.front()), surface.Target(loop.half_edges.back())});
           PlaceOnCrease(surface, side, lines_between[ends] == 1, &corners, &loop);
         } else if (loop.crease) {
           PlaceOnLoop({}, side, offset, &loop);
