@@ -50,8 +50,13 @@ constexpr std::int64_t kMaxTextureBytes = std::int64_t{256} << 20;
 absl::Status ReadTexture(SampleCommand& command) {
   CCST_ASSIGN_OR_RETURN(std::string bytes,
                         io::ReadWholeFile(command.texture_path, kMaxTextureBytes));
-  CCST_ASSIGN_OR_RETURN(Image image, DecodeImage(bytes));
-  command.options.density.image = std::make_shared<const Image>(std::move(image));
+  absl::StatusOr<Image> image = DecodeImage(bytes);
+  if (!image.ok()) {
+    return MakeError(image.status().code(),
+                     GetErrorReason(image.status()).value_or(ErrorReason::kImageUnreadable),
+                     absl::StrCat(command.texture_path, ": ", image.status().message()));
+  }
+  command.options.density.image = std::make_shared<const Image>(*std::move(image));
   command.options.density.encoded_image = std::make_shared<const std::string>(std::move(bytes));
   return absl::OkStatus();
 }

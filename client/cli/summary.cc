@@ -98,7 +98,9 @@ std::string SummaryJson(const SampleCommand& command, const SampleOutcome& outco
   json["alternations"] = result.alternations;
   json["passes"] = result.passes;
   json["energy"] = result.energy;
-  json["capacity_cv"] = result.capacity_cv;
+  // The other methods have no triangles whose capacities could vary.
+  const bool has_mesh = command.options.method == SamplingMethod::kCcst;
+  json["capacity_cv"] = has_mesh ? Json(result.capacity_cv) : Json(nullptr);
   json["relative_radius"] = result.relative_radius;
   json["samples_digest"] = outcome.record.samples_sha256;
   json["surface"] = SurfaceJson(result.surface);
@@ -126,10 +128,13 @@ std::string SummaryText(const SampleCommand& command, const SampleOutcome& outco
   absl::StrAppendFormat(
       &text,
       "%d samples on %d faces, %d triangles, computed %s in %.2f s\n"
-      "%s after %d alternations: capacity variation %.2f %%, relative radius %.3f\n",
+      "%s after %d %s, relative radius %.3f\n",
       result.samples.positions.size(), result.surface.faces, result.samples.triangles.size(), where,
       outcome.record.total_seconds, TerminationText(result.termination), result.alternations,
-      100.0 * result.capacity_cv, result.relative_radius);
+      command.options.method == SamplingMethod::kCcst
+          ? absl::StrFormat("alternations: capacity variation %.2f %%", 100.0 * result.capacity_cv)
+          : "steps",
+      result.relative_radius);
   return text;
 }
 

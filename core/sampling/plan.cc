@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
+#include "core/methods/strata.h"
 #include "core/random/random.h"
 
 namespace ccst {
@@ -171,26 +172,6 @@ void PlaceOnCrease(const Surface& surface, double side, bool only_one, CornerSet
   if (std::exchange(corners->has_sample[last], 1) == 0) add(crease->length, true);
 }
 
-/// Shares of `count` in proportion to `areas`, by largest remainders; ties by index.
-std::vector<std::int64_t> Shares(const std::vector<double>& areas, double total,
-                                 std::int64_t count) {
-  std::vector<std::int64_t> shares(areas.size());
-  std::vector<double> rest(areas.size());
-  std::int64_t given = 0;
-  for (std::size_t i = 0; i < areas.size(); ++i) {
-    const double ideal = static_cast<double>(count) * (areas[i] / total);
-    shares[i] = static_cast<std::int64_t>(ideal);
-    rest[i] = ideal - static_cast<double>(shares[i]);
-    given += shares[i];
-  }
-  std::vector<std::size_t> order(areas.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return rest[a] > rest[b]; });
-  for (std::size_t i = 0; given < count; i = (i + 1) % order.size(), ++given) ++shares[order[i]];
-  return shares;
-}
-
 absl::Status TooSmall(std::int64_t count) {
   return MakeError(
       absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
@@ -248,7 +229,7 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density,
     *smallest = least[0];
     return TooSmall(count);
   }
-  const std::vector<std::int64_t> shares = Shares(capacities, area, count);
+  const std::vector<std::int64_t> shares = ShareOut(count, capacities);
 
   plan.components.resize(component_count);
   for (std::size_t c = 0; c < component_count; ++c) {
