@@ -11,7 +11,7 @@ namespace {
 
 constexpr char kReasonPayloadUrl[] = "ccst/error-reason";
 
-constexpr std::array<std::pair<ErrorReason, std::string_view>, 16> kReasonNames = {{
+constexpr std::array<std::pair<ErrorReason, std::string_view>, 26> kReasonNames = {{
     {ErrorReason::kOptionInvalid, "OPTION_INVALID"},
     {ErrorReason::kMeshUnreadable, "MESH_UNREADABLE"},
     {ErrorReason::kDracoDecodeFailed, "DRACO_DECODE_FAILED"},
@@ -23,6 +23,16 @@ constexpr std::array<std::pair<ErrorReason, std::string_view>, 16> kReasonNames 
     {ErrorReason::kCountTooSmall, "COUNT_TOO_SMALL"},
     {ErrorReason::kLimitExceeded, "LIMIT_EXCEEDED"},
     {ErrorReason::kRequestInvalid, "REQUEST_INVALID"},
+    {ErrorReason::kDigestMismatch, "DIGEST_MISMATCH"},
+    {ErrorReason::kChunkOffsetMismatch, "CHUNK_OFFSET_MISMATCH"},
+    {ErrorReason::kMeshMissing, "MESH_MISSING"},
+    {ErrorReason::kMeshInUse, "MESH_IN_USE"},
+    {ErrorReason::kJobNotEnded, "JOB_NOT_ENDED"},
+    {ErrorReason::kJobHasNoSamples, "JOB_HAS_NO_SAMPLES"},
+    {ErrorReason::kNotFound, "NOT_FOUND"},
+    {ErrorReason::kQuotaExceeded, "QUOTA_EXCEEDED"},
+    {ErrorReason::kStorageFull, "STORAGE_FULL"},
+    {ErrorReason::kStorageFailed, "STORAGE_FAILED"},
     {ErrorReason::kQueueFull, "QUEUE_FULL"},
     {ErrorReason::kDraining, "DRAINING"},
     {ErrorReason::kCancelled, "CANCELLED"},

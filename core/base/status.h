@@ -12,22 +12,32 @@ namespace ccst {
 /// Machine-readable cause of a refusal; travels as a payload of absl::Status and becomes
 /// `ErrorInfo.reason` on the wire. The catalogue is proto/docs/errors.md.
 enum class ErrorReason {
-  kOptionInvalid,      ///< An option is outside its range.
-  kMeshUnreadable,     ///< The bytes are not a mesh of the named format.
-  kDracoDecodeFailed,  ///< The bytes are not a Draco mesh.
-  kMeshEmpty,          ///< No face of positive area.
-  kMeshDegenerate,     ///< Non-finite coordinates or indices out of range.
-  kMeshNotManifold,    ///< An edge, a vertex or the orientation is not that of a 2-manifold.
-  kImageUnreadable,    ///< The bytes are not an image of a known format.
-  kDensityInvalid,     ///< A density is negative, not finite or zero everywhere, or is missing.
-  kCountTooSmall,      ///< Fewer samples than the surface's topology needs.
-  kLimitExceeded,      ///< An announced limit was passed.
-  kRequestInvalid,     ///< A part of the request is missing or of the wrong form.
-  kQueueFull,          ///< No more jobs may wait just now.
-  kDraining,           ///< The server is going away.
-  kCancelled,          ///< The caller went away or asked to stop.
-  kOutOfMemory,        ///< The computation needs more memory than there is.
-  kInternal,           ///< A fault of the program.
+  kOptionInvalid,        ///< An option is outside its range.
+  kMeshUnreadable,       ///< The bytes are not a mesh of the named format.
+  kDracoDecodeFailed,    ///< The bytes are not a Draco mesh.
+  kMeshEmpty,            ///< No face of positive area.
+  kMeshDegenerate,       ///< Non-finite coordinates or indices out of range.
+  kMeshNotManifold,      ///< An edge, a vertex or the orientation is not that of a 2-manifold.
+  kImageUnreadable,      ///< The bytes are not an image of a known format.
+  kDensityInvalid,       ///< A density is negative, not finite or zero everywhere, or is missing.
+  kCountTooSmall,        ///< Fewer samples than the surface's topology needs.
+  kLimitExceeded,        ///< An announced limit was passed.
+  kRequestInvalid,       ///< A part of the request is missing or of the wrong form.
+  kDigestMismatch,       ///< Bytes are not those their digest or size announced.
+  kChunkOffsetMismatch,  ///< A chunk does not follow the one before.
+  kMeshMissing,          ///< The mesh referred to is not stored.
+  kMeshInUse,            ///< The mesh is needed by a job that has not ended.
+  kJobNotEnded,          ///< The job has not ended yet.
+  kJobHasNoSamples,      ///< The job failed or was cancelled.
+  kNotFound,             ///< No such job or mesh, not any more, or another caller's.
+  kQuotaExceeded,        ///< The caller's share of something is used up.
+  kStorageFull,          ///< The disk is full.
+  kStorageFailed,        ///< What is stored cannot be read or written.
+  kQueueFull,            ///< No more jobs may wait just now.
+  kDraining,             ///< The server is going away.
+  kCancelled,            ///< The caller went away or asked to stop.
+  kOutOfMemory,          ///< The computation needs more memory than there is.
+  kInternal,             ///< A fault of the program.
 };
 
 /// UPPER_SNAKE_CASE name, for example `MESH_NOT_MANIFOLD`.

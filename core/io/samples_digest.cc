@@ -1,24 +1,17 @@
 #include "core/io/samples_digest.h"
 
-#include <array>
 #include <cstdint>
-#include <memory>
 #include <string_view>
 
-#include <openssl/evp.h>
-
+#include "core/base/sha256.h"
 #include "core/io/numbers.h"
 
 namespace ccst {
 namespace {
 
-// Feeds SHA-256 in pieces, so that the layout never exists as a whole.
-class Hasher {
+// Feeds the layout in pieces, so that it never exists as a whole.
+class Layout {
  public:
-  Hasher() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
-    EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
-  }
-
   template <typename T>
   void Add(T value) {
     io::AppendLittleEndian(pending_, value);
@@ -27,28 +20,20 @@ class Hasher {
 
   void Add(std::string_view bytes) { pending_ += bytes; }
 
-  std::string Finish() {
+  std::string Digest() {
     Flush();
-    std::array<unsigned char, EVP_MAX_MD_SIZE> digest = {};
-    unsigned int size = 0;
-    EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
-    std::string text;
-    for (unsigned int i = 0; i < size; ++i) {
-      text += "0123456789abcdef"[digest[i] >> 4];
-      text += "0123456789abcdef"[digest[i] & 15];
-    }
-    return text;
+    return hash_.Finish();
   }
 
  private:
   static constexpr std::size_t kFlushBytes = std::size_t{1} << 16;
 
   void Flush() {
-    EVP_DigestUpdate(context_.get(), pending_.data(), pending_.size());
+    hash_.Add(pending_);
     pending_.clear();
   }
 
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+  Sha256 hash_;
   std::string pending_;
 };
 
@@ -56,19 +41,19 @@ class Hasher {
 
 std::string SamplesDigest(const SampleSet& samples) {
   constexpr std::string_view kMagic("ccst-samples-1\0", 15);
-  Hasher hasher;
-  hasher.Add(kMagic);
-  hasher.Add(static_cast<std::uint64_t>(samples.faces.size()));
-  for (const std::int32_t face : samples.faces) hasher.Add(face);
+  Layout layout;
+  layout.Add(kMagic);
+  layout.Add(static_cast<std::uint64_t>(samples.faces.size()));
+  for (const std::int32_t face : samples.faces) layout.Add(face);
   for (const Eigen::Vector2d& barycentric : samples.barycentrics) {
-    hasher.Add(barycentric.x());
-    hasher.Add(barycentric.y());
+    layout.Add(barycentric.x());
+    layout.Add(barycentric.y());
   }
-  hasher.Add(static_cast<std::uint64_t>(samples.triangles.size()));
+  layout.Add(static_cast<std::uint64_t>(samples.triangles.size()));
   for (const Eigen::Vector3i& triangle : samples.triangles) {
-    for (const int corner : triangle) hasher.Add(std::int32_t{corner});
+    for (const int corner : triangle) layout.Add(std::int32_t{corner});
   }
-  return hasher.Finish();
+  return layout.Digest();
 }
 
 }  // namespace ccst

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "core/io/mesh_limits.h"
-#include "server/jobs/clock.h"
+#include "server/base/clock.h"
 #include "server/jobs/run_job.h"
 
 namespace ccst::server {

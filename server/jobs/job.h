@@ -11,9 +11,9 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "core/sampling/sampling.h"
-#include "server/jobs/clock.h"
+#include "server/base/clock.h"
 #include "server/jobs/job_state.h"
-#include "server/jobs/mutex.h"
+#include "server/base/mutex.h"
 
 namespace ccst::server {
 

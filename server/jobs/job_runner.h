@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "server/jobs/job.h"
-#include "server/jobs/mutex.h"
+#include "server/base/mutex.h"
 #include "server/jobs/run_job.h"
 
 namespace ccst::server {

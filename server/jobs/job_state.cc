@@ -33,9 +33,4 @@ std::optional<JobState> NextState(JobState state, JobEvent event) {
   return kTable[static_cast<std::size_t>(state)][static_cast<std::size_t>(event)];
 }
 
-bool HasEnded(JobState state) {
-  return state == JobState::kSucceeded || state == JobState::kFailed ||
-         state == JobState::kCancelled;
-}
-
 }  // namespace ccst::server

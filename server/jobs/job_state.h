@@ -1,12 +1,10 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
+
+#include "server/store/records.h"
 
 namespace ccst::server {
-
-/// Life of a job. Ended states never change.
-enum class JobState { kQueued, kRunning, kCancelling, kSucceeded, kFailed, kCancelled };
 
 /// What can happen to a job.
 enum class JobEvent {
@@ -20,8 +18,5 @@ enum class JobEvent {
 
 /// The state after `event`; empty where the event cannot happen in `state`.
 std::optional<JobState> NextState(JobState state, JobEvent event);
-
-/// True for SUCCEEDED, FAILED and CANCELLED.
-bool HasEnded(JobState state);
 
 }  // namespace ccst::server

@@ -9,7 +9,7 @@
 #include "core/io/mesh_limits.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/sampling/sampling.h"
-#include "server/jobs/clock.h"
+#include "server/base/clock.h"
 #include "server/jobs/job.h"
 
 namespace ccst::server {

@@ -10,7 +10,7 @@
 #include "ccst/v1/sampling_service.pb.h"
 #include "proto/convert/options.h"
 #include "server/jobs/job_runner.h"
-#include "server/jobs/mutex.h"
+#include "server/base/mutex.h"
 #include "server/rpc/sample_stream.h"
 #include "server/rpc/server_log.h"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "absl/time/time.h"
-#include "server/jobs/mutex.h"
+#include "server/base/mutex.h"
 
 namespace ccst::server {
 

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace ccst::server {
+
+/// Bytes on their way into a BlobStore. Nothing stays of one that is destroyed uncommitted.
+/// Not thread-safe.
+class BlobWriter {
+ public:
+  virtual ~BlobWriter() = default;
+
+  /// @errors RESOURCE_EXHAUSTED STORAGE_FULL | INTERNAL STORAGE_FAILED
+  virtual absl::Status Append(std::string_view bytes) = 0;
+  virtual std::int64_t size_bytes() const = 0;
+
+  /// SHA-256 of everything appended; no more may be appended.
+  virtual const std::string& Seal() = 0;
+
+  /// Makes the sealed bytes part of the store, under their digest; they survive a crash from then
+  /// on. Committing bytes that are there already is right too. Errors as Append().
+  virtual absl::Status Commit() = 0;
+};
+
+/// One stored blob. It stays readable while this exists, also when it is removed. Thread-safe.
+class Blob {
+ public:
+  virtual ~Blob() = default;
+  virtual std::int64_t size_bytes() const = 0;
+  /// Fills `out` from `offset`; the range must be inside.
+  /// @errors INTERNAL STORAGE_FAILED
+  virtual absl::Status Read(std::int64_t offset, std::span<char> out) const = 0;
+};
+
+/// Immutable byte strings, each under the SHA-256 of its content. Thread-safe.
+class BlobStore {
+ public:
+  virtual ~BlobStore() = default;
+
+  /// @errors RESOURCE_EXHAUSTED STORAGE_FULL | INTERNAL STORAGE_FAILED
+  virtual absl::StatusOr<std::unique_ptr<BlobWriter>> NewBlob() = 0;
+
+  /// @errors NOT_FOUND NOT_FOUND | INTERNAL STORAGE_FAILED
+  virtual absl::StatusOr<std::shared_ptr<const Blob>> Open(const std::string& sha256) const = 0;
+
+  virtual bool Contains(const std::string& sha256) const = 0;
+
+  /// Nothing happens when it is not there.
+  virtual absl::Status Remove(const std::string& sha256) = 0;
+
+  /// Digests of all blobs, in no order; for collecting garbage.
+  virtual absl::StatusOr<std::vector<std::string>> List() const = 0;
+};
+
+/// The whole blob, checked against its digest.
+/// @errors as BlobStore::Open() | INTERNAL STORAGE_FAILED when the bytes are damaged
+absl::StatusOr<std::string> ReadWhole(const BlobStore& blobs, const std::string& sha256);
+
+/// Stores `bytes` and returns their digest. Errors as BlobWriter::Append().
+absl::StatusOr<std::string> PutWhole(BlobStore& blobs, std::string_view bytes);
+
+}  // namespace ccst::server
