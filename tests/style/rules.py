@@ -22,9 +22,11 @@ ROOMS = {
     "proto/convert": ["proto", "core/quality", "core/io"],
     "server/blobs": ["core/io"],
     "server/store": ["core/base"],
+    "server/auth": ["core/base"],
+    "server/log": ["core/base"],
     "server/metrics": ["core/base"],
     "server/jobs": ["core/quality", "server/blobs", "server/store"],
-    "server/rpc": ["proto/convert", "server/jobs", "server/metrics"],
+    "server/rpc": ["proto/convert", "server/auth", "server/jobs", "server/log", "server/metrics"],
     "server/app": ["server/rpc"],
     "server": ["server/app"],
     "client/lib": ["proto/convert"],
@@ -62,6 +64,8 @@ EXTERNALS = {
         r"^absl/log/|^glog/|^spdlog/|^iostream$|^syslog\.h$",
         ["server/rpc", "server/app", "server", "server/metrics", "client/cli", "client"],
     ),
+    "OpenSSL": (r"^openssl/", ["core/io", "server/auth"]),
+    "Prometheus": (r"^prometheus/", ["server/metrics"]),
     "nanoflann": (r"^nanoflann", ["core/spatial", "core/quality"]),
 }
 
