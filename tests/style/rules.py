@@ -23,9 +23,11 @@ ROOMS = {
     "server/base": ["core/base"],
     "server/store": ["server/base"],
     "server/meshes": ["core/io", "server/store"],
-    "server/metrics": ["core/base"],
-    "server/jobs": ["core/quality", "server/meshes"],
-    "server/rpc": ["proto/convert", "server/jobs", "server/metrics"],
+    "server/auth": ["server/base"],
+    "server/log": ["server/base"],
+    "server/metrics": ["server/base"],
+    "server/jobs": ["core/quality", "server/meshes", "server/metrics"],
+    "server/rpc": ["proto/convert", "server/auth", "server/jobs", "server/log", "server/metrics"],
     "server/app": ["server/rpc"],
     "server": ["server/app"],
     "client/lib": ["proto/convert"],
@@ -64,6 +66,8 @@ EXTERNALS = {
         r"^absl/log/|^glog/|^spdlog/|^iostream$|^syslog\.h$",
         ["server/rpc", "server/app", "server", "server/metrics", "client/cli", "client"],
     ),
+    "OpenSSL": (r"^openssl/", ["core/base", "server/auth"]),
+    "Prometheus": (r"^prometheus/", ["server/metrics"]),
     "nanoflann": (r"^nanoflann", ["core/spatial", "core/quality"]),
 }
 
