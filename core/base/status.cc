@@ -11,7 +11,7 @@ namespace {
 
 constexpr char kReasonPayloadUrl[] = "ccst/error-reason";
 
-constexpr std::array<std::pair<ErrorReason, std::string_view>, 26> kReasonNames = {{
+constexpr std::array<std::pair<ErrorReason, std::string_view>, 28> kReasonNames = {{
     {ErrorReason::kOptionInvalid, "OPTION_INVALID"},
     {ErrorReason::kMeshUnreadable, "MESH_UNREADABLE"},
     {ErrorReason::kDracoDecodeFailed, "DRACO_DECODE_FAILED"},
@@ -22,6 +22,8 @@ constexpr std::array<std::pair<ErrorReason, std::string_view>, 26> kReasonNames 
     {ErrorReason::kDensityInvalid, "DENSITY_INVALID"},
     {ErrorReason::kCountTooSmall, "COUNT_TOO_SMALL"},
     {ErrorReason::kLimitExceeded, "LIMIT_EXCEEDED"},
+    {ErrorReason::kUnauthenticated, "UNAUTHENTICATED"},
+    {ErrorReason::kPermissionDenied, "PERMISSION_DENIED"},
     {ErrorReason::kRequestInvalid, "REQUEST_INVALID"},
     {ErrorReason::kDigestMismatch, "DIGEST_MISMATCH"},
     {ErrorReason::kChunkOffsetMismatch, "CHUNK_OFFSET_MISMATCH"},

@@ -22,6 +22,8 @@ enum class ErrorReason {
   kDensityInvalid,       ///< A density is negative, not finite or zero everywhere, or is missing.
   kCountTooSmall,        ///< Fewer samples than the surface's topology needs.
   kLimitExceeded,        ///< An announced limit was passed.
+  kUnauthenticated,      ///< The server does not know who calls: no token, or not a right one.
+  kPermissionDenied,     ///< The caller is known and may not do this.
   kRequestInvalid,       ///< A part of the request is missing or of the wrong form.
   kDigestMismatch,       ///< Bytes are not those their digest or size announced.
   kChunkOffsetMismatch,  ///< A chunk does not follow the one before.

@@ -87,10 +87,11 @@ Server::Server(const ServerOptions& options, Dependencies dependencies)
     : options_(options),
       clock_(dependencies.run.clock),
       log_(options.log_format, clock_.now, std::move(dependencies.write_log)),
+      authenticator_(std::make_unique<Authenticator>()),
       runner_(options.runner, WithLimits(std::move(dependencies.run), options),
               std::move(dependencies.new_id)),
-      sampling_service_(runner_, log_, clock_, options.request_limits, options.threads_per_job),
-      server_info_service_(runner_, log_, clock_,
+      sampling_service_(runner_, support(), options.request_limits, options.threads_per_job),
+      server_info_service_(runner_, support(),
                            ToProto(options.request_limits, options.mesh_limits, options.runner)) {}
 
 Server::~Server() {

@@ -8,10 +8,13 @@
 
 #include "absl/status/statusor.h"
 #include "server/app/server_options.h"
+#include "server/auth/authenticator.h"
 #include "server/jobs/job_runner.h"
+#include "server/log/server_log.h"
+#include "server/metrics/metrics.h"
+#include "server/rpc/call.h"
 #include "server/rpc/sampling_service.h"
 #include "server/rpc/server_info_service.h"
-#include "server/rpc/server_log.h"
 
 namespace ccst::server {
 
@@ -48,10 +51,13 @@ class Server {
   Server(const ServerOptions& options, Dependencies dependencies);
   absl::Status Listen();
   void SetServing(bool serving);
+  CallSupport support() { return {*authenticator_, log_, metrics_, clock_}; }
 
   const ServerOptions options_;
   const Clock clock_;
   ServerLog log_;
+  Metrics metrics_;
+  std::unique_ptr<Authenticator> authenticator_;
   JobRunner runner_;
   SamplingService sampling_service_;
   ServerInfoService server_info_service_;

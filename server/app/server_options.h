@@ -7,7 +7,7 @@
 #include "core/io/mesh_limits.h"
 #include "proto/convert/options.h"
 #include "server/jobs/job_runner.h"
-#include "server/rpc/server_log.h"
+#include "server/log/server_log.h"
 
 namespace ccst::server {
 

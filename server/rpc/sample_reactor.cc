@@ -2,11 +2,9 @@
 
 #include <exception>
 #include <new>
-#include <string>
 #include <utility>
 
 #include "core/base/status.h"
-#include "server/rpc/grpc_status.h"
 
 namespace ccst::server {
 namespace {
@@ -18,10 +16,9 @@ absl::Status OutOfMemory() {
 
 }  // namespace
 
-SampleReactor::SampleReactor(JobRunner& runner, ServerLog& log, const Clock& clock)
-    : runner_(runner), log_(log), clock_(clock), start_seconds_(clock.seconds()) {
-  record_.method = "Sample";
-}
+SampleReactor::SampleReactor(JobRunner& runner, const CallSupport& support,
+                             const grpc::CallbackServerContext& context)
+    : runner_(runner), call_(support, context, "Sample", Scope::kFull) {}
 
 void SampleReactor::Start(v1::SampleRequest& request, const RequestLimits& limits,
                           int threads_per_job) {
@@ -44,8 +41,9 @@ absl::Status SampleReactor::Submit(v1::SampleRequest& request, const RequestLimi
                                    int threads_per_job) {
   {
     MutexLock lock(mutex_);
-    record_.request_bytes = static_cast<std::int64_t>(request.inline_mesh().data().size());
-    record_.samples_requested = request.options().sample_count();
+    call_.Received(request);
+    CCST_RETURN_IF_ERROR(call_.admission());
+    call_.record().samples_requested = request.options().sample_count();
   }
   SampleCall call;
   CCST_ASSIGN_OR_RETURN(call, FromProto(request, limits));
@@ -55,7 +53,7 @@ absl::Status SampleReactor::Submit(v1::SampleRequest& request, const RequestLimi
                             .options = call.options,
                             .preview_sample_count = call.preview_sample_count}));
   MutexLock lock(mutex_);
-  record_.job = job_->name();
+  call_.record().job = job_->name();
   stream_.emplace(job_, call.has_origin ? std::optional(call.origin) : std::nullopt);
   return absl::OkStatus();
 }
@@ -86,17 +84,13 @@ void SampleReactor::Pump() {
   // More follows at once after a chunk: let the transport fill its frames.
   if (message_.has_samples() || message_.has_sample_mesh()) options.set_buffer_hint();
   writing_ = true;
-  ++record_.messages_sent;
+  call_.Sent(message_);
   StartWrite(&message_, options);
 }
 
 void SampleReactor::FinishWith(const absl::Status& status) {
   finished_ = true;
-  record_.code = absl::StatusCodeToString(status.code());
-  if (const auto reason = GetErrorReason(status)) {
-    record_.reason = std::string(ErrorReasonName(*reason));
-  }
-  Finish(ToGrpcStatus(status));
+  Finish(call_.End(status));
 }
 
 void SampleReactor::OnWriteDone(bool ok) {
@@ -122,9 +116,7 @@ void SampleReactor::OnDone() {
   if (job_ != nullptr) runner_.Release(*job_);
   {
     MutexLock lock(mutex_);
-    record_.seconds = clock_.seconds() - start_seconds_;
-    if (stream_.has_value()) record_.samples_sent = stream_->samples_written();
-    log_.Request(record_);
+    if (stream_.has_value()) call_.record().samples_sent = stream_->samples_written();
   }
   delete this;
 }

@@ -9,10 +9,10 @@
 #include "absl/status/status.h"
 #include "ccst/v1/sampling_service.pb.h"
 #include "proto/convert/options.h"
-#include "server/jobs/job_runner.h"
 #include "server/base/mutex.h"
+#include "server/jobs/job_runner.h"
+#include "server/rpc/call.h"
 #include "server/rpc/sample_stream.h"
-#include "server/rpc/server_log.h"
 
 namespace ccst::server {
 
@@ -20,7 +20,8 @@ namespace ccst::server {
 /// the caller reads, and stops the job when the caller goes away. Deletes itself when done.
 class SampleReactor final : public grpc::ServerWriteReactor<v1::SampleResponse> {
  public:
-  SampleReactor(JobRunner& runner, ServerLog& log, const Clock& clock);
+  SampleReactor(JobRunner& runner, const CallSupport& support,
+                const grpc::CallbackServerContext& context);
 
   /// Takes the mesh's bytes out of `request`.
   void Start(v1::SampleRequest& request, const RequestLimits& limits, int threads_per_job);
@@ -36,9 +37,6 @@ class SampleReactor final : public grpc::ServerWriteReactor<v1::SampleResponse> 
   void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   JobRunner& runner_;
-  ServerLog& log_;
-  const Clock& clock_;
-  const double start_seconds_;
   std::shared_ptr<Job> job_;  // Null when the request was refused; set before any reaction.
 
   Mutex mutex_;
@@ -47,7 +45,7 @@ class SampleReactor final : public grpc::ServerWriteReactor<v1::SampleResponse> 
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool caller_gone_ ABSL_GUARDED_BY(mutex_) = false;
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
-  RequestRecord record_ ABSL_GUARDED_BY(mutex_);
+  Call call_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace ccst::server

@@ -24,31 +24,29 @@ v1::ServerLimits ToProto(const RequestLimits& request, const MeshLimits& mesh,
   return limits;
 }
 
-ServerInfoService::ServerInfoService(const JobRunner& runner, ServerLog& log, const Clock& clock,
+ServerInfoService::ServerInfoService(const JobRunner& runner, const CallSupport& support,
                                      v1::ServerLimits limits)
-    : runner_(runner), log_(log), clock_(clock), limits_(std::move(limits)) {}
+    : runner_(runner), support_(support), limits_(std::move(limits)) {}
 
-grpc::ServerUnaryReactor* ServerInfoService::GetServerInfo(
-    grpc::CallbackServerContext* context, const v1::GetServerInfoRequest* /*request*/,
-    v1::GetServerInfoResponse* response) {
-  const double start = clock_.seconds();
-  response->set_server_version(std::string(ProjectVersion()));
-  response->set_source_revision(std::string(SourceRevision()));
-  response->set_algorithm_revision(kAlgorithmRevision);
-  response->add_mesh_formats(v1::MESH_FORMAT_DRACO);
-  *response->mutable_limits() = limits_;
+grpc::ServerUnaryReactor* ServerInfoService::GetServerInfo(grpc::CallbackServerContext* context,
+                                                           const v1::GetServerInfoRequest* request,
+                                                           v1::GetServerInfoResponse* response) {
+  return ServeUnary(support_, *context, "GetServerInfo", Scope::kReadOnly, *request, *response,
+                    [this, response](Call& /*call*/) {
+                      Fill(*response);
+                      return absl::OkStatus();
+                    });
+}
+
+void ServerInfoService::Fill(v1::GetServerInfoResponse& response) const {
+  response.set_server_version(std::string(ProjectVersion()));
+  response.set_source_revision(std::string(SourceRevision()));
+  response.set_algorithm_revision(kAlgorithmRevision);
+  response.add_mesh_formats(v1::MESH_FORMAT_DRACO);
+  *response.mutable_limits() = limits_;
   const RunnerLoad load = runner_.Load();
-  response->mutable_load()->set_queued_job_count(load.queued);
-  response->mutable_load()->set_running_job_count(load.running);
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(grpc::Status::OK);
-  RequestRecord record;
-  record.method = "GetServerInfo";
-  record.code = absl::StatusCodeToString(absl::StatusCode::kOk);
-  record.seconds = clock_.seconds() - start;
-  record.messages_sent = 1;
-  log_.Request(record);
-  return reactor;
+  response.mutable_load()->set_queued_job_count(load.queued);
+  response.mutable_load()->set_running_job_count(load.running);
 }
 
 }  // namespace ccst::server

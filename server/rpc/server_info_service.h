@@ -6,7 +6,7 @@
 #include "core/io/mesh_limits.h"
 #include "proto/convert/options.h"
 #include "server/jobs/job_runner.h"
-#include "server/rpc/server_log.h"
+#include "server/rpc/call.h"
 
 namespace ccst::server {
 
@@ -17,17 +17,17 @@ v1::ServerLimits ToProto(const RequestLimits& request, const MeshLimits& mesh,
 /// ccst.v1.ServerInfoService.
 class ServerInfoService final : public v1::ServerInfoService::CallbackService {
  public:
-  ServerInfoService(const JobRunner& runner, ServerLog& log, const Clock& clock,
-                    v1::ServerLimits limits);
+  ServerInfoService(const JobRunner& runner, const CallSupport& support, v1::ServerLimits limits);
 
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1::GetServerInfoRequest* request,
                                           v1::GetServerInfoResponse* response) override;
 
  private:
+  void Fill(v1::GetServerInfoResponse& response) const;
+
   const JobRunner& runner_;
-  ServerLog& log_;
-  const Clock& clock_;
+  const CallSupport support_;
   const v1::ServerLimits limits_;
 };
 

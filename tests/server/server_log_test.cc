@@ -1,4 +1,4 @@
-#include "server/rpc/server_log.h"
+#include "server/log/server_log.h"
 
 #include <string>
 
@@ -12,6 +12,8 @@ RequestRecord Record() {
   RequestRecord record;
   record.method = "Sample";
   record.job = "jobs/1";
+  record.owner = "alice";
+  record.trace_id = "4bf92f3577b34da6a3ce929d0e0e4736";
   record.code = "OK";
   record.seconds = 0.25;
   record.samples_requested = 5;
@@ -29,7 +31,8 @@ std::string LineOf(LogFormat format, const RequestRecord& record) {
 
 TEST(ServerLogFormat, TextIsOneReadableLine) {
   EXPECT_EQ(LineOf(LogFormat::kText, Record()),
-            "1970-01-01T00:00:00.000Z Sample OK 250.0 ms jobs/1 request_bytes=0 samples=5/5 "
+            "1970-01-01T00:00:00.000Z Sample OK 250.0 ms jobs/1 owner=alice "
+            "trace=4bf92f3577b34da6a3ce929d0e0e4736 request_bytes=0 response_bytes=0 samples=5/5 "
             "messages=0");
 }
 
@@ -42,6 +45,8 @@ TEST(ServerLogFormat, JsonIsOneObject) {
   EXPECT_EQ(json["method"], "Sample");
   EXPECT_EQ(json["reason"], record.reason);
   EXPECT_EQ(json["seconds"], 0.25);
+  EXPECT_EQ(json["owner"], "alice");
+  EXPECT_EQ(json["trace_id"], record.trace_id);
 }
 
 }  // namespace

@@ -2,25 +2,28 @@
 
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <string_view>
 
 #include "absl/time/time.h"
-#include "server/base/mutex.h"
 
 namespace ccst::server {
 
 /// How log lines look.
 enum class LogFormat { kText, kJson };
 
-/// One finished request. Holds nothing of what the caller sent but counts.
+/// One finished request. Holds nothing of what the caller sent but counts and its trace id.
 struct RequestRecord {
-  std::string method;  ///< For example `Sample`.
-  std::string job;     ///< `jobs/{uuid}`; empty when there was none.
-  std::string code;    ///< For example `OK`, `INVALID_ARGUMENT`.
-  std::string reason;  ///< For example `MESH_NOT_MANIFOLD`; empty when OK.
+  std::string method;    ///< For example `Sample`.
+  std::string job;       ///< `jobs/{uuid}`; empty when there was none.
+  std::string owner;     ///< Who called: printable, without spaces.
+  std::string trace_id;  ///< 32 hexadecimal digits; empty when the caller traces nothing.
+  std::string code;      ///< For example `OK`, `INVALID_ARGUMENT`.
+  std::string reason;    ///< For example `MESH_NOT_MANIFOLD`; empty when OK.
   double seconds = 0.0;
-  std::int64_t request_bytes = 0;
+  std::int64_t request_bytes = 0;   ///< Messages received, as encoded.
+  std::int64_t response_bytes = 0;  ///< Messages sent, as encoded.
   std::int64_t samples_requested = 0;
   std::int64_t samples_sent = 0;
   std::int64_t messages_sent = 0;
@@ -41,8 +44,8 @@ class ServerLog {
 
   const LogFormat format_;
   const std::function<absl::Time()> now_;
-  Mutex mutex_;
-  const std::function<void(const std::string&)> write_ ABSL_GUARDED_BY(mutex_);
+  std::mutex mutex_;  // Of write_.
+  const std::function<void(const std::string&)> write_;
 };
 
 }  // namespace ccst::server

@@ -1,4 +1,4 @@
-#include "server/rpc/server_log.h"
+#include "server/log/server_log.h"
 
 #include <cstdio>
 #include <utility>
@@ -32,10 +32,13 @@ void ServerLog::Request(const RequestRecord& record) {
     Write(nlohmann::ordered_json{{"time", time},
                                  {"method", record.method},
                                  {"job", record.job},
+                                 {"owner", record.owner},
+                                 {"trace_id", record.trace_id},
                                  {"code", record.code},
                                  {"reason", record.reason},
                                  {"seconds", record.seconds},
                                  {"request_bytes", record.request_bytes},
+                                 {"response_bytes", record.response_bytes},
                                  {"samples_requested", record.samples_requested},
                                  {"samples_sent", record.samples_sent},
                                  {"messages_sent", record.messages_sent}}
@@ -46,8 +49,11 @@ void ServerLog::Request(const RequestRecord& record) {
   if (!record.reason.empty()) absl::StrAppend(&line, " ", record.reason);
   absl::StrAppend(&line, " ", Milliseconds(record.seconds), " ms");
   if (!record.job.empty()) absl::StrAppend(&line, " ", record.job);
-  absl::StrAppend(&line, " request_bytes=", record.request_bytes, " samples=", record.samples_sent,
-                  "/", record.samples_requested, " messages=", record.messages_sent);
+  absl::StrAppend(&line, " owner=", record.owner);
+  if (!record.trace_id.empty()) absl::StrAppend(&line, " trace=", record.trace_id);
+  absl::StrAppend(&line, " request_bytes=", record.request_bytes,
+                  " response_bytes=", record.response_bytes, " samples=", record.samples_sent, "/",
+                  record.samples_requested, " messages=", record.messages_sent);
   Write(line);
 }
 
@@ -61,7 +67,7 @@ void ServerLog::Message(std::string_view message) {
 }
 
 void ServerLog::Write(const std::string& line) {
-  MutexLock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   write_(line);
 }
 

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "server/auth/caller.h"
+#include "server/auth/token.h"
+#include "server/auth/watched_file.h"
+
+namespace ccst::server {
+
+/// Says who calls. Thread-safe.
+class Authenticator {
+ public:
+  /// Without tokens: everybody may do everything, and is called what its connection is.
+  Authenticator() = default;
+
+  /// With the tokens of the file at `path`. The file is looked at with every call; a changed one
+  /// counts at once, a broken or missing one not: the tokens before stay. `report` is told either,
+  /// in words without the path or anything of the file's.
+  /// @errors INVALID_ARGUMENT OPTION_INVALID naming the line | NOT_FOUND it cannot be read
+  static absl::StatusOr<std::unique_ptr<Authenticator>> Open(
+      const std::string& path, std::function<void(const std::string&)> report);
+
+  /// @param authorization  the call's `authorization` metadata; empty without one.
+  /// @param peer           what the connection is called where there are no tokens.
+  /// @errors UNAUTHENTICATED no token or not a known one
+  absl::StatusOr<Caller> Authenticate(std::string_view authorization, std::string_view peer);
+
+ private:
+  // Reads the file; the tokens stay as they are when it is broken.
+  absl::Status Load();
+  void ReloadIfChanged();
+
+  std::string path_;  // Empty: no tokens.
+  std::function<void(const std::string&)> report_;
+  std::mutex mutex_;  // Of what follows.
+  FileStamp stamp_;
+  std::vector<TokenEntry> tokens_;
+};
+
+/// PERMISSION_DENIED when `caller` may not do what takes `needed`.
+absl::Status CheckScope(const Caller& caller, Scope needed);
+
+}  // namespace ccst::server

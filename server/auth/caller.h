@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace ccst::server {
+
+/// What a caller may do; each includes the one before.
+enum class Scope {
+  kReadOnly,  ///< Look: server info, own jobs and meshes.
+  kFull,      ///< Also compute, upload, cancel.
+};
+
+/// Who calls.
+struct Caller {
+  std::string owner;  ///< Printable ASCII without spaces, at most 128 bytes.
+  Scope scope = Scope::kFull;
+};
+
+/// `name` as an owner: what cannot stand in a word of a log line, as in names of certificates,
+/// becomes `_`; `unknown` for an empty one.
+std::string Printable(std::string_view name);
+
+}  // namespace ccst::server

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "server/metrics/job_observer.h"
+
+namespace ccst::server {
+
+/// What is so at this moment; asked for with every scrape.
+struct LoadSample {
+  std::int64_t queued_jobs = 0;
+  std::int64_t running_jobs = 0;
+  std::int64_t watchers = 0;            ///< Streams that follow a job.
+  std::int64_t memory_bytes = 0;        ///< Of the budget, in use.
+  std::int64_t memory_limit_bytes = 0;  ///< The budget; 0: there is none.
+};
+
+/// Everything that is counted, and its page for Prometheus. Thread-safe.
+class Metrics final : public JobObserver {
+ public:
+  Metrics();
+  ~Metrics() override;
+  Metrics(const Metrics&) = delete;
+  Metrics& operator=(const Metrics&) = delete;
+
+  /// One finished call; `code` as `OK`, `NOT_FOUND`.
+  void CountRequest(std::string_view method, std::string_view code, double seconds,
+                    std::int64_t bytes_in, std::int64_t bytes_out);
+
+  void OnPhase(std::string_view phase, double seconds) override;
+  void OnAlternation() override;
+  void OnEnd(std::string_view state, double seconds) override;
+  void OnCancel(std::string_view reason) override;
+  void OnCacheLookup(std::string_view cache, bool hit) override;
+
+  /// Where the gauges come from; called on the scraper's thread. An empty function takes it back,
+  /// and once that returned no call runs any more.
+  void SetLoadReader(std::function<LoadSample()> read_load);
+
+  /// Serves GET /metrics at `listen` (HOST:PORT, port 0 picks a free one) until destroyed.
+  /// Returns HOST:PORT with the port really listened on. At most once.
+  /// @errors UNAVAILABLE  the address cannot be bound
+  absl::StatusOr<std::string> Serve(const std::string& listen);
+
+ private:
+  struct Families;
+  struct Exporter;
+  std::unique_ptr<Families> families_;
+  std::unique_ptr<Exporter> exporter_;  // Last: goes first.
+};
+
+}  // namespace ccst::server
