@@ -32,6 +32,15 @@ double SecondsFromProto(const google::protobuf::Duration& duration) {
          static_cast<double>(duration.nanos()) / kNanosPerSecond;
 }
 
+google::protobuf::Timestamp TimestampToProto(absl::Time time) {
+  google::protobuf::Timestamp timestamp;
+  const std::int64_t seconds = absl::ToUnixSeconds(time);
+  timestamp.set_seconds(seconds);
+  timestamp.set_nanos(
+      static_cast<std::int32_t>(absl::ToInt64Nanoseconds(time - absl::FromUnixSeconds(seconds))));
+  return timestamp;
+}
+
 v1::Vector3 ToProto(const Eigen::Vector3d& vector) {
   v1::Vector3 message;
   message.set_x(vector.x());

@@ -2,8 +2,10 @@
 
 #include <Eigen/Core>
 
+#include "absl/time/time.h"
 #include "ccst/v1/mesh.pb.h"
 #include "google/protobuf/duration.pb.h"
+#include "google/protobuf/timestamp.pb.h"
 
 namespace ccst {
 
@@ -13,6 +15,9 @@ google::protobuf::Duration DurationToProto(double seconds);
 
 /// Seconds of a Duration.
 double SecondsFromProto(const google::protobuf::Duration& duration);
+
+/// Rounded down to nanoseconds.
+google::protobuf::Timestamp TimestampToProto(absl::Time time);
 
 v1::Vector3 ToProto(const Eigen::Vector3d& vector);
 Eigen::Vector3d FromProto(const v1::Vector3& vector);

@@ -4,41 +4,21 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "core/io/mesh_limits.h"
 #include "core/mesh/triangle_mesh.h"
 #include "server/base/clock.h"
+#include "server/base/mutex.h"
 #include "server/meshes/blob_pins.h"
+#include "server/meshes/mesh_facts.h"
 #include "server/store/store.h"
 
 namespace ccst::server {
-
-/// One attribute of a stored mesh.
-struct MeshAttributeFacts {
-  std::string name;
-  int components = 1;
-  double min_value = 0.0;
-  double max_value = 0.0;
-};
-
-/// What is known of a stored mesh without decoding it again.
-struct MeshFacts {
-  std::int64_t vertices = 0;    ///< After repair.
-  std::int64_t file_faces = 0;  ///< Host faces of samples are in [0, file_faces).
-  std::int64_t components = 0;
-  std::int64_t boundary_loops = 0;
-  double area = 0.0;                                     ///< [mesh unit^2]
-  Eigen::Vector3d bounds_min = Eigen::Vector3d::Zero();  ///< [mesh unit]
-  Eigen::Vector3d bounds_max = Eigen::Vector3d::Zero();
-  std::vector<MeshAttributeFacts> attributes;
-  std::vector<std::string> warnings;
-};
 
 /// A stored mesh as its owner sees it.
 struct StoredMesh {
@@ -52,6 +32,12 @@ struct MeshStoreOptions {
   std::int64_t max_stored_bytes = std::int64_t{4} << 30;  ///< Of one owner.
   absl::Duration retention = absl::Hours(24 * 7);         ///< Of an unused mesh.
   MeshLimits decode_limits;
+};
+
+/// Names the bytes of a mesh.
+struct MeshDigest {
+  std::string sha256;
+  std::int64_t size_bytes = 0;
 };
 
 /// What an upload announces.
@@ -83,24 +69,28 @@ class MeshStore {
 
   const MeshStoreOptions& options() const { return options_; }
 
-  /// Which of `sha256s` the owner has not stored; moves the expiry of the others later.
-  absl::StatusOr<std::vector<std::string>> FindMissing(const std::string& owner,
-                                                       const std::vector<std::string>& sha256s);
+  /// Which of `digests` the owner has not stored; moves the expiry of the others later.
+  absl::StatusOr<std::vector<MeshDigest>> FindMissing(const std::string& owner,
+                                                      const std::vector<MeshDigest>& digests);
 
-  /// A writer for the announced bytes.
+  /// A writer for the announced bytes. Drops nothing yet: the upload may break.
   /// @errors INVALID_ARGUMENT LIMIT_EXCEEDED larger than max_mesh_bytes
-  ///       | RESOURCE_EXHAUSTED QUOTA_EXCEEDED also after dropping what is idle and least lately
-  ///         used cannot make room | those of Store
+  ///       | RESOURCE_EXHAUSTED QUOTA_EXCEEDED when dropping all that is idle would not make room
+  ///       | those of Store
   absl::StatusOr<std::unique_ptr<BlobWriter>> Begin(const MeshUpload& upload);
 
-  /// Checks digest and size, decodes and measures, and stores. Nothing stays of what is refused.
-  /// @errors INVALID_ARGUMENT DIGEST_MISMATCH | those of decode and measure | those of Store
+  /// Checks digest and size, decodes and measures, drops of what is idle the least lately used
+  /// until there is room, and stores. A mesh that was stored meanwhile stays as it is. Nothing stays
+  /// of what is refused. Holds the encoded and the decoded mesh in memory.
+  /// @errors INVALID_ARGUMENT DIGEST_MISMATCH | RESOURCE_EXHAUSTED QUOTA_EXCEEDED | those of decode
+  ///         and measure | those of Store
   absl::StatusOr<StoredMesh> Finish(const MeshUpload& upload, BlobWriter& writer);
 
   /// NOT_FOUND when absent, expired or another owner's.
   absl::StatusOr<StoredMesh> Get(const std::string& owner, const std::string& sha256);
   /// Get(), and moves the expiry later.
   absl::StatusOr<StoredMesh> Use(const std::string& owner, const std::string& sha256);
+  /// The bytes as uploaded. Errors as Use(), which it is.
   absl::StatusOr<std::shared_ptr<const Blob>> Open(const std::string& owner,
                                                    const std::string& sha256);
   /// INVALID_ARGUMENT REQUEST_INVALID for a token that is not one.
@@ -113,13 +103,27 @@ class MeshStore {
   absl::Status DropExpired();
 
  private:
-  absl::Status MakeRoom(const std::string& owner, std::int64_t bytes);
-  absl::Status Drop(const MeshRecord& mesh);
+  // Empty when absent or expired.
+  absl::StatusOr<std::optional<MeshRecord>> Find(const std::string& owner,
+                                                 const std::string& sha256);
+  // Find(), and moves the expiry later.
+  absl::StatusOr<std::optional<MeshRecord>> Touch(const std::string& owner,
+                                                  const std::string& sha256)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(changes_);
+  absl::StatusOr<StoredMesh> WithFacts(MeshRecord record) const;
+  // The facts of a stored blob, as bytes.
+  absl::StatusOr<std::string> Measure(const std::string& sha256) const;
+  // What to drop, least lately used first, so that `bytes` more fit; QUOTA_EXCEEDED when all that
+  // is idle would not do.
+  absl::StatusOr<std::vector<MeshRecord>> InTheWayOf(const std::string& owner, std::int64_t bytes);
+  absl::Status Drop(const MeshRecord& mesh) ABSL_EXCLUSIVE_LOCKS_REQUIRED(changes_);
 
   Store& store_;
   BlobPins& pins_;
   const MeshStoreOptions options_;
   const MeshDependencies dependencies_;
+  // One change at a time: between looking at a record and acting on it, nobody else may.
+  Mutex changes_;
 };
 
 }  // namespace ccst::server

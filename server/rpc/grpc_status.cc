@@ -13,11 +13,16 @@ namespace {
 // A place in a full queue comes free when a run ends; another server is there at once.
 constexpr double kQueueFullRetrySeconds = 2.0;
 constexpr double kDrainingRetrySeconds = 1.0;
+// Room comes back when jobs end, or somebody deletes something.
+constexpr double kNoRoomRetrySeconds = 30.0;
 
 std::optional<double> RetrySeconds(const absl::Status& status) {
   const auto reason = GetErrorReason(status);
   if (reason == ErrorReason::kQueueFull) return kQueueFullRetrySeconds;
   if (reason == ErrorReason::kDraining) return kDrainingRetrySeconds;
+  if (reason == ErrorReason::kQuotaExceeded || reason == ErrorReason::kStorageFull) {
+    return kNoRoomRetrySeconds;
+  }
   return std::nullopt;
 }
 

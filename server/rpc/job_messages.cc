@@ -1,7 +1,5 @@
 #include "server/rpc/job_messages.h"
 
-#include "absl/time/time.h"
-#include "google/protobuf/timestamp.pb.h"
 #include "proto/convert/options.h"
 #include "proto/convert/progress.h"
 #include "proto/convert/result.h"
@@ -10,15 +8,6 @@
 
 namespace ccst::server {
 namespace {
-
-google::protobuf::Timestamp TimestampToProto(absl::Time time) {
-  google::protobuf::Timestamp timestamp;
-  const std::int64_t seconds = absl::ToUnixSeconds(time);
-  timestamp.set_seconds(seconds);
-  timestamp.set_nanos(
-      static_cast<std::int32_t>(absl::ToInt64Nanoseconds(time - absl::FromUnixSeconds(seconds))));
-  return timestamp;
-}
 
 v1::SamplingResult ToProto(const JobResult& result,
                            const std::optional<AlternationReport>& last_report) {

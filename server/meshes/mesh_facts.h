@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "absl/status/statusor.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace ccst::server {
+
+/// One attribute of a stored mesh.
+struct MeshAttributeFacts {
+  std::string name;
+  int components = 1;
+  double min_value = 0.0;
+  double max_value = 0.0;
+};
+
+/// What is known of a stored mesh without decoding it again.
+struct MeshFacts {
+  std::int64_t vertices = 0;    ///< After repair.
+  std::int64_t file_faces = 0;  ///< Host faces of samples are in [0, file_faces).
+  std::int64_t components = 0;
+  std::int64_t boundary_loops = 0;
+  double area = 0.0;                                     ///< [mesh unit^2]
+  Eigen::Vector3d bounds_min = Eigen::Vector3d::Zero();  ///< [mesh unit]
+  Eigen::Vector3d bounds_max = Eigen::Vector3d::Zero();
+  std::vector<MeshAttributeFacts> attributes;
+  std::vector<std::string> warnings;
+};
+
+/// Repairs `mesh` as sampling does by default and measures it. Cost as Repair() and
+/// Surface::Build(), which is O((V + F) log F).
+/// @errors those of SampleSurface() for a mesh that cannot be sampled at all: INVALID_ARGUMENT
+///         MESH_EMPTY | MESH_DEGENERATE | LIMIT_EXCEEDED
+absl::StatusOr<MeshFacts> MeasureMesh(const TriangleMesh& mesh);
+
+}  // namespace ccst::server

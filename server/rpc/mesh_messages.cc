@@ -1,0 +1,203 @@
+#include "server/rpc/mesh_messages.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "core/base/sha256.h"
+#include "core/base/status.h"
+#include "core/io/draco_mesh.h"
+#include "proto/convert/scalars.h"
+#include "proto/convert/status.h"
+
+namespace ccst::server {
+namespace {
+
+constexpr std::string_view kNamePrefix = "meshes/";
+
+// Of UTF-8, which protobuf has checked.
+std::int64_t CountCharacters(std::string_view text) {
+  return std::count_if(text.begin(), text.end(),
+                       [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
+}
+
+MeshDigest FromProto(const v1::Digest& digest, const std::string& path, Violations& violations) {
+  if (!IsSha256(digest.sha256())) {
+    violations.Add(path + ".sha256", "must be 64 lowercase hexadecimal digits",
+                   ErrorReason::kRequestInvalid);
+  }
+  if (digest.size_bytes() < 1) {
+    violations.Add(path + ".size_bytes",
+                   "is " + std::to_string(digest.size_bytes()) + ", must be at least 1",
+                   ErrorReason::kRequestInvalid);
+  }
+  return {.sha256 = digest.sha256(), .size_bytes = digest.size_bytes()};
+}
+
+MeshUpload FromProto(const v1::MeshUploadHeader& header, const std::string& owner,
+                     const MeshStoreOptions& limits, Violations& violations) {
+  MeshDigest digest = FromProto(header.digest(), "header.digest", violations);
+  if (digest.size_bytes > limits.max_mesh_bytes) {
+    violations.AddLimit("header.digest.size_bytes", "max_mesh_bytes", limits.max_mesh_bytes,
+                        digest.size_bytes);
+  }
+  if (header.format() != v1::MESH_FORMAT_DRACO) {
+    violations.Add("header.format", "must be MESH_FORMAT_DRACO", ErrorReason::kRequestInvalid);
+  }
+  if (CountCharacters(header.display_name()) > kMaxDisplayName) {
+    violations.Add("header.display_name",
+                   "must have at most " + std::to_string(kMaxDisplayName) + " characters",
+                   ErrorReason::kRequestInvalid);
+  }
+  return {.owner = owner,
+          .sha256 = std::move(digest.sha256),
+          .size_bytes = digest.size_bytes,
+          .display_name = header.display_name()};
+}
+
+// The fields of `mesh` that are facts.
+v1::Mesh ToProto(const MeshFacts& facts) {
+  v1::Mesh mesh;
+  mesh.set_vertex_count(facts.vertices);
+  mesh.set_face_count(facts.file_faces);
+  mesh.set_component_count(facts.components);
+  mesh.set_boundary_loop_count(facts.boundary_loops);
+  mesh.set_surface_area(facts.area);
+  *mesh.mutable_bounds_min() = ccst::ToProto(facts.bounds_min);
+  *mesh.mutable_bounds_max() = ccst::ToProto(facts.bounds_max);
+  for (const MeshAttributeFacts& attribute : facts.attributes) {
+    v1::MeshAttribute& message = *mesh.add_attributes();
+    message.set_attribute_name(attribute.name);
+    message.set_min_value(attribute.min_value);
+    message.set_max_value(attribute.max_value);
+    message.set_component_count(attribute.components);
+  }
+  mesh.mutable_warnings()->Assign(facts.warnings.begin(), facts.warnings.end());
+  return mesh;
+}
+
+}  // namespace
+
+std::string MeshName(const std::string& sha256) { return std::string(kNamePrefix) + sha256; }
+
+std::string Sha256OfMeshName(const std::string& name, const std::string& path,
+                             Violations& violations) {
+  const std::string_view text = name;
+  if (text.substr(0, kNamePrefix.size()) == kNamePrefix &&
+      IsSha256(text.substr(kNamePrefix.size()))) {
+    return name.substr(kNamePrefix.size());
+  }
+  violations.Add(path, "must be meshes/ followed by 64 lowercase hexadecimal digits",
+                 ErrorReason::kRequestInvalid);
+  return {};
+}
+
+int PageSize(std::int32_t page_size, Violations& violations) {
+  if (page_size < 0) {
+    violations.Add("page_size", "is " + std::to_string(page_size) + ", must be at least 0",
+                   ErrorReason::kRequestInvalid);
+  }
+  return page_size == 0 ? kDefaultPageSize : std::min(page_size, kMaxPageSize);
+}
+
+v1::Digest ToProto(const MeshDigest& digest) {
+  v1::Digest message;
+  message.set_sha256(digest.sha256);
+  message.set_size_bytes(digest.size_bytes);
+  return message;
+}
+
+absl::StatusOr<std::vector<MeshDigest>> FromProto(const v1::FindMissingMeshesRequest& request) {
+  Violations violations;
+  std::vector<MeshDigest> digests;
+  if (request.digests_size() > kMaxDigests) {
+    violations.Add("digests", "must be at most " + std::to_string(kMaxDigests),
+                   ErrorReason::kRequestInvalid);
+    return violations.ToStatus();
+  }
+  for (int i = 0; i < request.digests_size(); ++i) {
+    digests.push_back(
+        FromProto(request.digests(i), "digests[" + std::to_string(i) + "]", violations));
+  }
+  CCST_RETURN_IF_ERROR(violations.ToStatus());
+  return digests;
+}
+
+absl::StatusOr<MeshUpload> FromProto(const v1::MeshUploadHeader& header, const std::string& owner,
+                                     const MeshStoreOptions& limits) {
+  Violations violations;
+  MeshUpload upload = FromProto(header, owner, limits, violations);
+  CCST_RETURN_IF_ERROR(violations.ToStatus());
+  return upload;
+}
+
+absl::StatusOr<MeshUpload> FromProto(const v1::CreateMeshRequest& request, const std::string& owner,
+                                     const MeshStoreOptions& limits,
+                                     std::int64_t max_inline_mesh_bytes) {
+  Violations violations;
+  MeshUpload upload = FromProto(request.header(), owner, limits, violations);
+  const auto bytes = static_cast<std::int64_t>(request.data().size());
+  if (bytes > max_inline_mesh_bytes) {
+    violations.AddLimit("data", "max_inline_mesh_bytes", max_inline_mesh_bytes, bytes);
+  }
+  CCST_RETURN_IF_ERROR(violations.ToStatus());
+  return upload;
+}
+
+v1::Mesh ToProto(const StoredMesh& mesh) {
+  v1::Mesh message = ToProto(mesh.facts);
+  const MeshRecord& record = mesh.record;
+  message.set_name(MeshName(record.sha256));
+  *message.mutable_digest() =
+      ToProto(MeshDigest{.sha256 = record.sha256, .size_bytes = record.size_bytes});
+  message.set_format(v1::MESH_FORMAT_DRACO);
+  message.set_display_name(record.display_name);
+  *message.mutable_create_time() = TimestampToProto(record.create_time);
+  *message.mutable_expire_time() = TimestampToProto(record.expire_time);
+  return message;
+}
+
+std::string EncodeFacts(const MeshFacts& facts) { return ToProto(facts).SerializeAsString(); }
+
+absl::StatusOr<MeshFacts> DecodeFacts(const std::string& bytes) {
+  v1::Mesh mesh;
+  if (!mesh.ParseFromString(bytes)) {
+    return MakeError(absl::StatusCode::kInternal, ErrorReason::kStorageFailed,
+                     "the stored facts of a mesh are damaged");
+  }
+  MeshFacts facts{.vertices = mesh.vertex_count(),
+                  .file_faces = mesh.face_count(),
+                  .components = mesh.component_count(),
+                  .boundary_loops = mesh.boundary_loop_count(),
+                  .area = mesh.surface_area(),
+                  .bounds_min = ccst::FromProto(mesh.bounds_min()),
+                  .bounds_max = ccst::FromProto(mesh.bounds_max()),
+                  .warnings = {mesh.warnings().begin(), mesh.warnings().end()}};
+  for (const v1::MeshAttribute& attribute : mesh.attributes()) {
+    facts.attributes.push_back({.name = attribute.attribute_name(),
+                                .components = attribute.component_count(),
+                                .min_value = attribute.min_value(),
+                                .max_value = attribute.max_value()});
+  }
+  return facts;
+}
+
+MeshDependencies RealMeshDependencies(const Clock& clock) {
+  return {.decode = DecodeDraco,
+          .measure = MeasureMesh,
+          .encode_facts = EncodeFacts,
+          .decode_facts = DecodeFacts,
+          .clock = clock};
+}
+
+absl::Status WithQuota(absl::Status status, const MeshStoreOptions& limits, std::int64_t bytes) {
+  if (GetErrorReason(status) != ErrorReason::kQuotaExceeded) return status;
+  v1::LimitViolation violation;
+  violation.set_limit("max_stored_mesh_bytes");
+  violation.set_limit_value(limits.max_stored_bytes);
+  violation.set_requested_value(bytes);
+  SetDetail(violation, status);
+  return status;
+}
+
+}  // namespace ccst::server

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "ccst/v1/mesh.pb.h"
+#include "ccst/v1/mesh_service.pb.h"
+#include "proto/convert/violations.h"
+#include "server/meshes/mesh_store.h"
+
+namespace ccst::server {
+
+/// Most digests in a `FindMissingMeshesRequest`.
+inline constexpr int kMaxDigests = 1000;
+/// Page sizes of lists.
+inline constexpr int kDefaultPageSize = 50;
+inline constexpr int kMaxPageSize = 1000;
+/// Longest `display_name`, in characters.
+inline constexpr std::int64_t kMaxDisplayName = 128;
+
+/// `meshes/{sha256}`.
+std::string MeshName(const std::string& sha256);
+/// The digest of a mesh's name; adds to `violations` under `path` when it is none.
+std::string Sha256OfMeshName(const std::string& name, const std::string& path,
+                             Violations& violations);
+/// The page size asked for, with its default and its limit; adds to `violations` when negative.
+int PageSize(std::int32_t page_size, Violations& violations);
+
+v1::Digest ToProto(const MeshDigest& digest);
+/// INVALID_ARGUMENT with all violations, as the following.
+absl::StatusOr<std::vector<MeshDigest>> FromProto(const v1::FindMissingMeshesRequest& request);
+
+/// Checks what an upload announces; LIMIT_EXCEEDED with a `LimitViolation` when that is too much.
+absl::StatusOr<MeshUpload> FromProto(const v1::MeshUploadHeader& header, const std::string& owner,
+                                     const MeshStoreOptions& limits);
+/// As the above; the data may have `max_inline_mesh_bytes`.
+absl::StatusOr<MeshUpload> FromProto(const v1::CreateMeshRequest& request, const std::string& owner,
+                                     const MeshStoreOptions& limits,
+                                     std::int64_t max_inline_mesh_bytes);
+
+/// The mesh as callers see it.
+v1::Mesh ToProto(const StoredMesh& mesh);
+
+/// Facts as the bytes of a v1::Mesh that has nothing else, and back.
+/// @errors INTERNAL STORAGE_FAILED the bytes are none
+std::string EncodeFacts(const MeshFacts& facts);
+absl::StatusOr<MeshFacts> DecodeFacts(const std::string& bytes);
+
+/// Decodes Draco, measures with the core, keeps facts as messages.
+MeshDependencies RealMeshDependencies(const Clock& clock);
+
+/// `status`, with a `LimitViolation` when it is the quota for meshes that `bytes` did not fit in.
+absl::Status WithQuota(absl::Status status, const MeshStoreOptions& limits, std::int64_t bytes);
+
+}  // namespace ccst::server

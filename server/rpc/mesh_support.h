@@ -1,0 +1,32 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "absl/time/time.h"
+#include "server/base/executor.h"
+#include "server/meshes/mesh_store.h"
+#include "server/rpc/call.h"
+
+namespace ccst::server {
+
+/// Limits on how meshes travel; the first two are advertised.
+struct MeshServiceOptions {
+  std::int64_t max_inline_mesh_bytes = std::int64_t{64} << 20;
+  std::int64_t max_chunk_bytes = std::int64_t{1} << 20;
+  int max_uploads = 64;  ///< At once, of all callers; each holds a chunk.
+  /// An upload without a message for this long is ended.
+  absl::Duration max_idle = absl::Seconds(60);
+};
+
+/// What the calls of a MeshService share; outlives them.
+struct MeshSupport {
+  MeshStore& meshes;
+  Executor& disk;      ///< Short work that blocks on the disk; a task a call at a time.
+  Executor& decoding;  ///< Long work: bytes become a mesh and are measured.
+  const CallSupport calls;
+  const MeshServiceOptions options;
+  std::atomic<int> uploads = 0;  ///< Under way.
+};
+
+}  // namespace ccst::server
