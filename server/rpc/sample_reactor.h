@@ -9,8 +9,8 @@
 #include "absl/status/status.h"
 #include "ccst/v1/sampling_service.pb.h"
 #include "proto/convert/options.h"
-#include "server/base/mutex.h"
 #include "server/jobs/job_runner.h"
+#include "server/base/mutex.h"
 #include "server/rpc/call.h"
 #include "server/rpc/sample_stream.h"
 
