@@ -22,8 +22,10 @@ absl::Status NotFound(const std::string& sha256) {
 
 absl::Status QuotaExceeded(std::int64_t bytes, std::int64_t limit) {
   return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQuotaExceeded,
-                   "a mesh of " + std::to_string(bytes) + " bytes does not fit beside those in use "
-                   "within " + std::to_string(limit) + " bytes; delete meshes or wait for jobs");
+                   "a mesh of " + std::to_string(bytes) +
+                       " bytes does not fit beside those in use "
+                       "within " +
+                       std::to_string(limit) + " bytes; delete meshes or wait for jobs");
 }
 
 }  // namespace
@@ -48,9 +50,8 @@ absl::StatusOr<std::vector<MeshDigest>> MeshStore::FindMissing(
 absl::StatusOr<std::unique_ptr<BlobWriter>> MeshStore::Begin(const MeshUpload& upload) {
   if (upload.size_bytes > options_.max_mesh_bytes) {
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kLimitExceeded,
-                     "the mesh has " + std::to_string(upload.size_bytes) +
-                         " bytes; at most " + std::to_string(options_.max_mesh_bytes) +
-                         " are accepted");
+                     "the mesh has " + std::to_string(upload.size_bytes) + " bytes; at most " +
+                         std::to_string(options_.max_mesh_bytes) + " are accepted");
   }
   CCST_RETURN_IF_ERROR(InTheWayOf(upload.owner, upload.size_bytes).status());
   return store_.blobs().NewBlob();
@@ -129,7 +130,8 @@ absl::StatusOr<Page<StoredMesh>> MeshStore::List(const std::string& owner, int p
   Page<MeshRecord> records;
   CCST_ASSIGN_OR_RETURN(records, store_.ListMeshes(owner, page_size, page_token));
   const absl::Time now = dependencies_.clock.now();
-  Page<StoredMesh> page{.next_token = std::move(records.next_token)};
+  Page<StoredMesh> page;
+  page.next_token = std::move(records.next_token);
   for (MeshRecord& record : records.records) {
     if (record.expire_time <= now) continue;
     StoredMesh mesh;
@@ -147,9 +149,9 @@ absl::Status MeshStore::Delete(const std::string& owner, const std::string& sha2
   bool in_use = false;
   CCST_ASSIGN_OR_RETURN(in_use, store_.IsMeshInUse(owner, sha256));
   if (in_use) {
-    return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kMeshInUse,
-                     "a job that has not ended needs meshes/" + sha256 +
-                         "; cancel it or wait for its end");
+    return MakeError(
+        absl::StatusCode::kFailedPrecondition, ErrorReason::kMeshInUse,
+        "a job that has not ended needs meshes/" + sha256 + "; cancel it or wait for its end");
   }
   return Drop(*record);
 }
@@ -184,7 +186,8 @@ absl::StatusOr<std::optional<MeshRecord>> MeshStore::Touch(const std::string& ow
 }
 
 absl::StatusOr<StoredMesh> MeshStore::WithFacts(MeshRecord record) const {
-  StoredMesh mesh{.record = std::move(record)};
+  StoredMesh mesh;
+  mesh.record = std::move(record);
   CCST_ASSIGN_OR_RETURN(mesh.facts, dependencies_.decode_facts(mesh.record.facts));
   return mesh;
 }
