@@ -7,13 +7,17 @@
 
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/impl/server_builder_option.h>
+#include <grpcpp/impl/server_builder_plugin.h>
 #include <grpcpp/resource_quota.h>
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server_builder.h>
 
+#include "core/base/loopback.h"
 #include "core/base/status.h"
 #include "grpc/health/v1/health.pb.h"
 #include "server/app/system.h"
+#include "server/app/tls_credentials.h"
 
 namespace ccst::server {
 namespace {
@@ -34,6 +38,7 @@ constexpr int kMinClientPingMs = 10'000;
 // Stopped jobs end within 100 ms; this is for their answers to leave.
 constexpr absl::Duration kStopGrace = absl::Seconds(2);
 constexpr std::chrono::milliseconds kShutdownGrace(100);
+constexpr char kReflectionPlugin[] = "proto_server_reflection";
 
 RunDependencies WithLimits(RunDependencies run, const ServerOptions& options) {
   run.mesh_limits = options.mesh_limits;
@@ -64,6 +69,16 @@ void SetLimits(const ServerOptions& options, grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
 }
 
+// Takes reflection away again: its library puts it into every server of the process. What the
+// services look like is no secret, but strangers need not be told.
+class WithoutReflection final : public grpc::ServerBuilderOption {
+ public:
+  void UpdateArguments(grpc::ChannelArguments* /*arguments*/) override {}
+  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override {
+    std::erase_if(*plugins, [](const auto& plugin) { return plugin->name() == kReflectionPlugin; });
+  }
+};
+
 }  // namespace
 
 Server::Dependencies Server::RealDependencies(const ServerOptions& options) {
@@ -87,7 +102,6 @@ Server::Server(const ServerOptions& options, Dependencies dependencies)
     : options_(options),
       clock_(dependencies.run.clock),
       log_(options.log_format, clock_.now, std::move(dependencies.write_log)),
-      authenticator_(std::make_unique<Authenticator>()),
       runner_(options.runner, WithLimits(std::move(dependencies.run), options),
               std::move(dependencies.new_id)),
       sampling_service_(runner_, support(), options.request_limits, options.threads_per_job),
@@ -95,6 +109,7 @@ Server::Server(const ServerOptions& options, Dependencies dependencies)
                            ToProto(options.request_limits, options.mesh_limits, options.runner)) {}
 
 Server::~Server() {
+  metrics_.SetLoadReader({});
   runner_.StartDraining();
   runner_.StopAll();
   if (server_ != nullptr) server_->Shutdown(std::chrono::system_clock::now() + kShutdownGrace);
@@ -105,9 +120,13 @@ absl::Status Server::Listen() {
   grpc::health::v1::HealthCheckRequest::descriptor();
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  CCST_ASSIGN_OR_RETURN(credentials_, Credentials());
   grpc::ServerBuilder builder;
+  if (!IsLoopback(options_.listen) && !options_.security.reflection) {
+    builder.SetOption(std::make_unique<WithoutReflection>());
+  }
   int port = 0;
-  builder.AddListeningPort(options_.listen, grpc::InsecureServerCredentials(), &port);
+  builder.AddListeningPort(options_.listen, credentials_, &port);
   builder.RegisterService(&sampling_service_);
   builder.RegisterService(&server_info_service_);
   SetLimits(options_, builder);
@@ -117,8 +136,30 @@ absl::Status Server::Listen() {
                                   "; the address may be in use or not of this machine");
   }
   address_ = WithPort(options_.listen, port);
+  CCST_RETURN_IF_ERROR(ServeMetrics());
   SetServing(true);
   log_.Message("listening on " + address_);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> Server::Credentials() {
+  const SecurityOptions& security = options_.security;
+  const auto report = [this](const std::string& message) { log_.Message(message); };
+  if (!security.auth_token_file.empty()) {
+    CCST_RETURN_IF_ERROR(authenticator_.UseTokens(security.auth_token_file, report));
+  }
+  if (security.has_tls()) return WatchedTlsCredentials(security.tls, report);
+  return grpc::InsecureServerCredentials();
+}
+
+absl::Status Server::ServeMetrics() {
+  if (options_.metrics_listen.empty()) return absl::OkStatus();
+  metrics_.SetLoadReader([this] {
+    const RunnerLoad load = runner_.Load();
+    return LoadSample{.queued_jobs = load.queued, .running_jobs = load.running};
+  });
+  CCST_ASSIGN_OR_RETURN(metrics_address_, metrics_.Serve(options_.metrics_listen));
+  log_.Message("metrics on " + metrics_address_);
   return absl::OkStatus();
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server.h>
 
 #include "absl/status/statusor.h"
@@ -31,8 +32,8 @@ class Server {
   /// The real ones: the core, random ids, a log on standard error.
   static Dependencies RealDependencies(const ServerOptions& options);
 
-  /// Listens and serves until destroyed. INVALID_ARGUMENT for `options` | UNAVAILABLE when the
-  /// address cannot be bound.
+  /// Listens and serves until destroyed. INVALID_ARGUMENT, NOT_FOUND for `options` and the files
+  /// they name | UNAVAILABLE when an address cannot be bound.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options,
                                                        Dependencies dependencies);
   /// Stops everything at once.
@@ -42,6 +43,8 @@ class Server {
 
   /// HOST:PORT with the port really listened on.
   const std::string& address() const { return address_; }
+  /// HOST:PORT of the metrics; empty when they are off.
+  const std::string& metrics_address() const { return metrics_address_; }
 
   /// Reports NOT_SERVING and refuses new jobs with UNAVAILABLE DRAINING; lets jobs finish for at
   /// most `drain_timeout_seconds`, then stops them; returns when all callers have their answers.
@@ -50,18 +53,22 @@ class Server {
  private:
   Server(const ServerOptions& options, Dependencies dependencies);
   absl::Status Listen();
+  absl::Status ServeMetrics();
+  absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> Credentials();
   void SetServing(bool serving);
-  CallSupport support() { return {*authenticator_, log_, metrics_, clock_}; }
+  CallSupport support() { return {authenticator_, log_, metrics_, clock_}; }
 
   const ServerOptions options_;
   const Clock clock_;
   ServerLog log_;
   Metrics metrics_;
-  std::unique_ptr<Authenticator> authenticator_;
+  Authenticator authenticator_;
   JobRunner runner_;
   SamplingService sampling_service_;
   ServerInfoService server_info_service_;
   std::string address_;
+  std::string metrics_address_;
+  std::shared_ptr<grpc::ServerCredentials> credentials_;
   std::unique_ptr<grpc::Server> server_;  // Last: goes first.
 };
 

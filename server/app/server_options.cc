@@ -35,6 +35,10 @@ absl::Status CheckRange(std::int64_t value, std::int64_t low, std::int64_t high,
 
 absl::Status ServerOptions::Validate() const {
   CCST_RETURN_IF_ERROR(Check(listen.rfind(':') != std::string::npos, "--listen", "HOST:PORT"));
+  CCST_RETURN_IF_ERROR(
+      Check(metrics_listen.empty() || metrics_listen.rfind(':') != std::string::npos,
+            "--metrics-listen", "HOST:PORT"));
+  CCST_RETURN_IF_ERROR(security.Validate(listen, metrics_listen));
   CCST_RETURN_IF_ERROR(CheckRange(threads_per_job, 1, 1024, "--threads"));
   CCST_RETURN_IF_ERROR(CheckRange(runner.max_running_jobs, 1, 1024, "--max-running-jobs"));
   CCST_RETURN_IF_ERROR(CheckRange(runner.max_queued_jobs, 0, 100'000, "--max-queued-jobs"));

@@ -17,14 +17,15 @@ absl::Status Unauthenticated(std::string_view message) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<Authenticator>> Authenticator::Open(
-    const std::string& path, std::function<void(const std::string&)> report) {
-  auto authenticator = std::make_unique<Authenticator>();
-  authenticator->path_ = path;
-  authenticator->report_ = std::move(report);
-  const std::lock_guard lock(authenticator->mutex_);
-  CCST_RETURN_IF_ERROR(authenticator->Load());
-  return authenticator;
+absl::Status Authenticator::UseTokens(const std::string& path,
+                                      std::function<void(const std::string&)> report) {
+  const std::lock_guard lock(mutex_);
+  path_ = path;
+  report_ = std::move(report);
+  const absl::Status status = Load();
+  if (status.ok()) return status;
+  return MakeError(status.code(), ErrorReason::kOptionInvalid,
+                   absl::StrCat("--auth-token-file: ", status.message()));
 }
 
 absl::StatusOr<Caller> Authenticator::Authenticate(std::string_view authorization,

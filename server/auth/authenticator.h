@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -20,13 +19,16 @@ class Authenticator {
  public:
   /// Without tokens: everybody may do everything, and is called what its connection is.
   Authenticator() = default;
+  Authenticator(const Authenticator&) = delete;
+  Authenticator& operator=(const Authenticator&) = delete;
 
-  /// With the tokens of the file at `path`. The file is looked at with every call; a changed one
-  /// counts at once, a broken or missing one not: the tokens before stay. `report` is told either,
-  /// in words without the path or anything of the file's.
-  /// @errors INVALID_ARGUMENT OPTION_INVALID naming the line | NOT_FOUND it cannot be read
-  static absl::StatusOr<std::unique_ptr<Authenticator>> Open(
-      const std::string& path, std::function<void(const std::string&)> report);
+  /// From now on only with the tokens of the file at `path`; call before the first call comes. The
+  /// file is looked at with every call; a changed one counts at once, a broken or missing one not:
+  /// the tokens before stay. `report` is told either, in words without the path or anything of the
+  /// file's.
+  /// @errors INVALID_ARGUMENT OPTION_INVALID naming the line | NOT_FOUND OPTION_INVALID it cannot
+  ///         be read; names the flag, not the path
+  absl::Status UseTokens(const std::string& path, std::function<void(const std::string&)> report);
 
   /// @param authorization  the call's `authorization` metadata; empty without one.
   /// @param peer           what the connection is called where there are no tokens.

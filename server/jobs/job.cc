@@ -24,19 +24,36 @@ std::shared_ptr<const JobPreview> MakePreview(const AlternationReport& report, i
   return preview;
 }
 
+// Previews of this many points at least: what one watcher asks for should not cost others theirs.
+int MostDemanding(const auto& watchers) {
+  int most = 0;
+  for (const auto& [id, watcher] : watchers) most = std::max(most, watcher.preview_sample_count);
+  return most;
+}
+
 }  // namespace
 
-Job::Job(std::string name, JobSpec spec, const Clock& clock)
-    : name_(std::move(name)),
-      options_(spec.options),
-      preview_sample_count_(spec.preview_sample_count),
-      mesh_bytes_(spec.mesh.size()),
+Job::Job(std::string id, JobSpec spec, const Clock& clock, Post post)
+    : id_(std::move(id)),
+      spec_(std::move(spec)),
+      clock_(clock),
+      post_(std::move(post)),
+      create_seconds_(clock.seconds()),
+      unwatched_since_(create_seconds_) {
+  view_.create_time = clock_.now();
+}
+
+Job::Job(std::string id, JobSpec spec, const Clock& clock, JobView view,
+         std::vector<AlternationReport> reports)
+    : id_(std::move(id)),
+      spec_(std::move(spec)),
       clock_(clock),
       create_seconds_(clock.seconds()),
-      mesh_(std::move(spec.mesh)) {
-  view_.name = name_;
-  view_.options = options_;
-  view_.create_time = clock_.now();
+      view_(std::move(view)),
+      sealed_(true),
+      reports_(std::move(reports)),
+      unwatched_since_(create_seconds_) {
+  if (!reports_.empty()) view_.last_report = reports_.back();
 }
 
 JobView Job::View() const {
@@ -55,30 +72,57 @@ std::optional<AlternationReport> Job::Report(std::size_t index) const {
   return reports_[index];
 }
 
+std::vector<AlternationReport> Job::Reports() const {
+  MutexLock lock(mutex_);
+  return reports_;
+}
+
 std::shared_ptr<const JobPreview> Job::Preview() const {
   MutexLock lock(mutex_);
   return preview_;
 }
 
-void Job::SetWatcher(std::function<void()> watcher) {
+std::optional<std::int64_t> Job::AddWatcher(std::function<void()> watcher, int preview_sample_count,
+                                            int most) {
   MutexLock lock(watcher_mutex_);
-  watcher_ = std::move(watcher);
+  if (static_cast<int>(watchers_.size()) >= most) return std::nullopt;
+  watchers_[next_watcher_] = {std::move(watcher), preview_sample_count};
+  preview_sample_count_ = MostDemanding(watchers_);
+  return next_watcher_++;
 }
 
-void Job::Cancel(StopCause cause) {
+void Job::RemoveWatcher(std::int64_t id) {
+  MutexLock lock(watcher_mutex_);
+  watchers_.erase(id);
+  preview_sample_count_ = MostDemanding(watchers_);
+  if (watchers_.empty()) unwatched_since_ = clock_.seconds();
+}
+
+int Job::watcher_count() const {
+  MutexLock lock(watcher_mutex_);
+  return static_cast<int>(watchers_.size());
+}
+
+double Job::UnwatchedSeconds() const {
+  MutexLock lock(watcher_mutex_);
+  return watchers_.empty() ? clock_.seconds() - unwatched_since_ : 0.0;
+}
+
+bool Job::Cancel(StopCause cause) {
   {
     MutexLock lock(mutex_);
-    if (HasEnded(view_.state)) return;
-    if (view_.stop_cause == StopCause::kNone) view_.stop_cause = cause;
+    if (sealed_ || HasEnded(view_.state) || view_.stop_cause != StopCause::kNone) return false;
+    view_.stop_cause = cause;
     Advance(cause == StopCause::kDrain ? JobEvent::kDrainEnds : JobEvent::kCancel);
     if (HasEnded(view_.state)) {
+      sealed_ = true;
       view_.end_time = clock_.now();
       view_.queue_position = 0;
-      mesh_ = std::string();
     }
   }
   stop_.request_stop();
   Notify();
+  return true;
 }
 
 void Job::SetQueuePosition(int position) {
@@ -104,12 +148,7 @@ bool Job::Take() {
   return true;
 }
 
-std::string Job::TakeMesh() {
-  MutexLock lock(mutex_);
-  return std::exchange(mesh_, std::string());
-}
-
-double Job::queue_seconds() const {
+double Job::QueueSeconds() const {
   MutexLock lock(mutex_);
   return start_seconds_ - create_seconds_;
 }
@@ -126,7 +165,7 @@ void Job::AddPhase(Phase phase) {
 
 void Job::AddReport(const AlternationReport& report) {
   std::shared_ptr<const JobPreview> preview;
-  if (preview_sample_count_ > 0) preview = MakePreview(report, preview_sample_count_);
+  if (const int most = preview_sample_count_; most > 0) preview = MakePreview(report, most);
   AlternationReport kept = report;
   kept.positions = {};
   {
@@ -138,35 +177,45 @@ void Job::AddReport(const AlternationReport& report) {
   Notify();
 }
 
-void Job::End(absl::StatusOr<JobResult> outcome) {
+JobView Job::Seal(absl::StatusOr<JobResult> outcome) {
   const bool stopped = outcome.ok() ? outcome->run.termination == Termination::kStopped
                                     : absl::IsCancelled(outcome.status());
   const absl::Status status = outcome.status();
-  std::shared_ptr<const JobResult> result;
-  if (status.ok() && !stopped) result = std::make_shared<const JobResult>(*std::move(outcome));
+  MutexLock lock(mutex_);
+  sealed_ = true;
+  JobView end = view_;
+  JobEvent event = JobEvent::kFinished;
+  if (stopped) {
+    event = JobEvent::kStopped;
+    if (!NextState(end.state, event).has_value()) {
+      // Nobody asked: the run misbehaved, and the caller must not take it for an answer.
+      event = JobEvent::kFailed;
+      end.error = MakeError(absl::StatusCode::kInternal, ErrorReason::kInternal,
+                            "the run stopped without having been asked to");
+    }
+  } else if (status.ok()) {
+    end.result = std::make_shared<const JobResult>(*std::move(outcome));
+  } else {
+    event = JobEvent::kFailed;
+    end.error = status;
+  }
+  end.state = NextState(end.state, event).value_or(JobState::kFailed);
+  end.end_time = clock_.now();
+  return end;
+}
+
+void Job::Publish(JobView end) {
   {
     MutexLock lock(mutex_);
-    if (stopped) {
-      // Nobody asked: the run misbehaved, and the caller must not take it for an answer.
-      if (!Advance(JobEvent::kStopped)) {
-        view_.error = MakeError(absl::StatusCode::kInternal, ErrorReason::kInternal,
-                                "the run stopped without having been asked to");
-        Advance(JobEvent::kFailed);
-      }
-    } else if (result != nullptr) {
-      view_.result = std::move(result);
-      Advance(JobEvent::kFinished);
-    } else {
-      view_.error = status;
-      Advance(JobEvent::kFailed);
-    }
-    view_.end_time = clock_.now();
+    end.version = view_.version + 1;
+    view_ = std::move(end);
     preview_ = nullptr;
   }
   Notify();
 }
 
 bool Job::Advance(JobEvent event) {
+  if (sealed_) return false;
   const auto next = NextState(view_.state, event);
   if (!next.has_value()) return false;
   view_.state = *next;
@@ -175,8 +224,15 @@ bool Job::Advance(JobEvent event) {
 }
 
 void Job::Notify() {
+  // What is new while a call is under way goes with the next one.
+  if (news_.exchange(true)) return;
+  post_([self = shared_from_this()] { self->CallWatchers(); });
+}
+
+void Job::CallWatchers() {
   MutexLock lock(watcher_mutex_);
-  if (watcher_) watcher_();
+  news_ = false;
+  for (const auto& [id, watcher] : watchers_) watcher.call();
 }
 
 }  // namespace ccst::server

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -12,23 +14,19 @@
 #include "absl/time/time.h"
 #include "core/sampling/sampling.h"
 #include "server/base/clock.h"
-#include "server/jobs/job_state.h"
 #include "server/base/mutex.h"
+#include "server/jobs/job_spec.h"
+#include "server/jobs/job_state.h"
 
 namespace ccst::server {
 
-/// What to compute.
-struct JobSpec {
-  std::string mesh;  ///< Draco bytes.
-  SamplingOptions options;
-  int preview_sample_count = 0;  ///< 0: no previews.
-};
-
-/// What came out of a whole run.
+/// What came out of a whole run: its figures. The samples are a blob of their own.
 struct JobResult {
-  SamplingResult run;
-  std::string samples_sha256;
-  std::int64_t samples_bytes = 0;  ///< Length of what the digest is of.
+  SamplingResult run;  ///< `samples` empty.
+  std::int64_t sample_count = 0;
+  std::int64_t triangle_count = 0;
+  std::string samples_sha256;      ///< Of the layout of proto/docs/samples.md.
+  std::int64_t samples_bytes = 0;  ///< Length of what that digest is of.
   double queue_seconds = 0.0;
   double decode_seconds = 0.0;
   double total_seconds = 0.0;  ///< Decoding and the run.
@@ -42,13 +40,11 @@ struct JobPreview {
 };
 
 /// Why a job was asked to stop.
-enum class StopCause { kNone, kCaller, kDrain };
+enum class StopCause { kNone, kCaller, kDrain, kAbandoned };
 
 /// A job at one moment. Plain values.
 struct JobView {
   std::int64_t version = 1;  ///< Grows with every change here except of `last_report`.
-  std::string name;
-  SamplingOptions options;
   JobState state = JobState::kQueued;
   int queue_position = 0;
   std::optional<Phase> phase;                    ///< Empty before a worker took it.
@@ -56,79 +52,108 @@ struct JobView {
   absl::Status error;                            ///< Not OK when FAILED.
   StopCause stop_cause = StopCause::kNone;
   std::shared_ptr<const JobResult> result;  ///< Set when SUCCEEDED.
+  std::string samples_blob;                 ///< SHA-256 of the blob with the samples.
+  bool cached = false;                      ///< The result was taken from an equal spec.
   absl::Time create_time;
   std::optional<absl::Time> start_time;
   std::optional<absl::Time> end_time;
+  std::optional<absl::Time> expire_time;
 };
 
-/// One run and everything that happened in it. The history of progress is append-only and a
+/// One job and everything that happened in it. The history of progress is append-only and a
 /// watcher is only a cursor into it, so a slow watcher costs the worker nothing and the memory is
-/// bounded by `max_iterations` small reports, one preview and the result. Thread-safe.
-class Job {
+/// bounded by `max_iterations` small reports and one preview. Thread-safe.
+class Job : public std::enable_shared_from_this<Job> {
  public:
-  Job(std::string name, JobSpec spec, const Clock& clock);
+  /// Runs a task soon, on another thread.
+  using Post = std::function<void(std::function<void()>)>;
+
+  /// A new job, QUEUED. `post` carries news to watchers.
+  Job(std::string id, JobSpec spec, const Clock& clock, Post post);
+  /// One that has ended, as it was stored.
+  Job(std::string id, JobSpec spec, const Clock& clock, JobView view,
+      std::vector<AlternationReport> reports);
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
+
+  const std::string& id() const { return id_; }
+  /// `jobs/{id}`.
+  std::string name() const { return "jobs/" + id_; }
+  const JobSpec& spec() const { return spec_; }
 
   /// The job now.
   JobView View() const;
   /// `View().version`, cheaper.
   std::int64_t Version() const;
-
   /// Report number `index` of the run; empty when there are not so many yet.
   std::optional<AlternationReport> Report(std::size_t index) const;
+  std::vector<AlternationReport> Reports() const;
   /// The latest preview; null before the first.
   std::shared_ptr<const JobPreview> Preview() const;
-  std::size_t mesh_bytes() const { return mesh_bytes_; }
-  const std::string& name() const { return name_; }
-  const SamplingOptions& options() const { return options_; }
 
-  /// `watcher` is called after every change, on the thread that made it; it must neither block
-  /// nor throw, nor call SetWatcher. At most one. After SetWatcher(nullptr) returned, no call
-  /// runs any more.
-  void SetWatcher(std::function<void()> watcher);
+  /// `watcher` is called soon after changes, on any thread, never concurrently; it must neither
+  /// block nor throw, nor add or remove watchers. Previews have as many points as the most
+  /// demanding watcher asked for. Empty when there are `most` already. After RemoveWatcher()
+  /// returned, no call runs any more.
+  std::optional<std::int64_t> AddWatcher(std::function<void()> watcher, int preview_sample_count,
+                                         int most);
+  void RemoveWatcher(std::int64_t id);
+  int watcher_count() const;
+  /// Seconds for which nobody has watched; 0 while somebody does.
+  double UnwatchedSeconds() const;
 
-  /// Asks the run to stop. Nothing happens to a job that has ended; the first cause counts.
-  void Cancel(StopCause cause);
+  /// Asks the run to stop, true when it has not ended and was not asked before; the first cause
+  /// counts. A job that waits is CANCELLED at once, one that runs becomes CANCELLING.
+  bool Cancel(StopCause cause);
 
   // For the queue and the worker.
 
   void SetQueuePosition(int position);
   /// QUEUED -> RUNNING; false when the job was cancelled before.
   bool Take();
-  /// The mesh's bytes, once; the job holds them no longer.
-  std::string TakeMesh();
   std::stop_token stop_token() const { return stop_.get_token(); }
-  double queue_seconds() const;
+  double QueueSeconds() const;
   void AddPhase(Phase phase);
-  /// Keeps the report without its positions, and a preview of them where one was asked for.
+  /// Keeps the report without its positions, and a preview of them where somebody wants one.
   void AddReport(const AlternationReport& report);
   /// The run is over: with a whole result, stopped (CANCELLED when that was asked for), or failed.
-  void End(absl::StatusOr<JobResult> outcome);
+  /// Decides how the job ends and returns it; what comes later changes nothing any more. Watchers
+  /// learn of it from Publish().
+  JobView Seal(absl::StatusOr<JobResult> outcome);
+  /// The end is stored: shows it.
+  void Publish(JobView end);
 
  private:
   // The state after `event` where it may happen; counts as a change.
   bool Advance(JobEvent event) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Notify() ABSL_LOCKS_EXCLUDED(mutex_);
+  void CallWatchers();
 
-  const std::string name_;
-  const SamplingOptions options_;
-  const int preview_sample_count_;
-  const std::size_t mesh_bytes_;
+  const std::string id_;
+  const JobSpec spec_;
   const Clock& clock_;
+  const Post post_;
   const double create_seconds_;
   std::stop_source stop_;
+  std::atomic<int> preview_sample_count_ = 0;
+  std::atomic<bool> news_ = false;
 
   mutable Mutex mutex_;
-  std::string mesh_ ABSL_GUARDED_BY(mutex_);
   JobView view_ ABSL_GUARDED_BY(mutex_);
+  bool sealed_ ABSL_GUARDED_BY(mutex_) = false;
   double start_seconds_ ABSL_GUARDED_BY(mutex_) = 0.0;
   std::vector<AlternationReport> reports_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<const JobPreview> preview_ ABSL_GUARDED_BY(mutex_);
 
-  // Held while the watcher runs; always taken before mutex_.
-  Mutex watcher_mutex_;
-  std::function<void()> watcher_ ABSL_GUARDED_BY(watcher_mutex_);
+  struct Watcher {
+    std::function<void()> call;
+    int preview_sample_count = 0;
+  };
+  // Held while watchers run; always taken before mutex_.
+  mutable Mutex watcher_mutex_;
+  std::map<std::int64_t, Watcher> watchers_ ABSL_GUARDED_BY(watcher_mutex_);
+  std::int64_t next_watcher_ ABSL_GUARDED_BY(watcher_mutex_) = 1;
+  double unwatched_since_ ABSL_GUARDED_BY(watcher_mutex_);
 };
 
 }  // namespace ccst::server

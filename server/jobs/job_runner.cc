@@ -11,15 +11,21 @@ namespace {
 
 constexpr absl::Duration kLongestWait = absl::Hours(24 * 365 * 10);
 
-absl::Status QueueFull(const std::string& message) {
-  return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQueueFull, message);
-}
-
 }  // namespace
 
-JobRunner::JobRunner(const RunnerOptions& options, RunDependencies dependencies,
-                     std::function<std::string()> new_id)
-    : options_(options), dependencies_(std::move(dependencies)), new_id_(std::move(new_id)) {
+JobRunner::Place::Place(Place&& other) noexcept
+    : runner_(std::exchange(other.runner_, nullptr)), share_(std::move(other.share_)) {}
+
+JobRunner::Place::~Place() {
+  if (runner_ != nullptr) runner_->Return(share_);
+}
+
+JobRunner::JobRunner(const RunnerOptions& options, std::shared_ptr<MemoryBudget> budget, Run run)
+    : options_(options), budget_(std::move(budget)), run_(std::move(run)) {
+  budget_->SetOnRelease([this] {
+    MutexLock lock(mutex_);
+    changed_.notify_all();
+  });
   workers_.reserve(static_cast<std::size_t>(options_.max_running_jobs));
   for (int i = 0; i < options_.max_running_jobs; ++i) {
     workers_.emplace_back([this] { Work(); });
@@ -34,56 +40,85 @@ JobRunner::~JobRunner() {
   }
   changed_.notify_all();
   workers_.clear();
+  budget_->SetOnRelease(nullptr);
 }
 
-absl::StatusOr<std::shared_ptr<Job>> JobRunner::Submit(JobSpec spec) {
+absl::StatusOr<JobRunner::Place> JobRunner::Reserve(const std::string& share) {
   MutexLock lock(mutex_);
   if (draining_ || closed_) {
     return MakeError(absl::StatusCode::kUnavailable, ErrorReason::kDraining,
                      "the server is going away and takes no new jobs");
   }
-  const auto places =
-      static_cast<std::size_t>(options_.max_running_jobs) + options_.max_queued_jobs;
-  // A released job may still occupy its worker for a moment.
+  const auto running = static_cast<std::size_t>(options_.max_running_jobs);
   const std::size_t taken =
-      std::max(held_.size(), queue_.size() + static_cast<std::size_t>(running_));
-  if (taken >= places) {
-    return QueueFull("all " + std::to_string(options_.max_running_jobs) + " places to run and " +
-                     std::to_string(options_.max_queued_jobs) + " to wait are taken");
+      queue_.size() + running_.size() + static_cast<std::size_t>(reserved_count_);
+  if (taken >= running + static_cast<std::size_t>(options_.max_queued_jobs)) {
+    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQueueFull,
+                     "all " + std::to_string(running) + " places to run and " +
+                         std::to_string(options_.max_queued_jobs) + " to wait are taken");
   }
-  const auto bytes = static_cast<std::int64_t>(spec.mesh.size());
-  if (!queue_.empty() && queued_bytes_ + bytes > options_.max_queued_bytes) {
-    return QueueFull("the meshes that wait already take " + std::to_string(queued_bytes_) + " of " +
-                     std::to_string(options_.max_queued_bytes) + " bytes");
+  const auto reserved = reserved_.find(share);
+  const std::size_t own =
+      queue_.CountOf(share) +
+      (reserved == reserved_.end() ? 0 : static_cast<std::size_t>(reserved->second));
+  if (own >= running + static_cast<std::size_t>(options_.max_queued_jobs_per_caller)) {
+    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQuotaExceeded,
+                     "the caller has " + std::to_string(own) + " jobs waiting, of at most " +
+                         std::to_string(options_.max_queued_jobs_per_caller));
   }
-  auto job = std::make_shared<Job>("jobs/" + new_id_(), std::move(spec), dependencies_.clock);
-  held_.push_back(job);
-  queue_.push_back(job);
-  queued_bytes_ += bytes;
+  ++reserved_[share];
+  ++reserved_count_;
+  return Place(*this, share);
+}
+
+void JobRunner::Enqueue(Place /*until it is queued*/, std::shared_ptr<Job> job, std::int64_t memory_bytes) {
+  bool draining = false;
+  {
+    MutexLock lock(mutex_);
+    // It was accepted before draining began and waits for the next start of the server.
+    draining = draining_ && !job->spec().ends_with_caller;
+    if (!draining) Add({.job = job, .memory_bytes = memory_bytes});
+  }
+  if (draining) job->Cancel(StopCause::kDrain);
+}
+
+void JobRunner::EnqueueAccepted(std::shared_ptr<Job> job, std::int64_t memory_bytes) {
+  MutexLock lock(mutex_);
+  Add({.job = std::move(job), .memory_bytes = memory_bytes});
+}
+
+void JobRunner::Add(FairQueue::Entry entry) {
+  queue_.Push(std::move(entry));
   UpdatePositions();
   changed_.notify_all();
-  return job;
 }
 
-void JobRunner::Cancel(Job& job, StopCause cause) {
+void JobRunner::Return(const std::string& share) {
   MutexLock lock(mutex_);
-  RemoveFromQueue(job);
-  job.Cancel(cause);
+  --reserved_count_;
+  const auto it = reserved_.find(share);
+  if (--it->second == 0) reserved_.erase(it);
   changed_.notify_all();
 }
 
-void JobRunner::Release(Job& job) {
-  job.SetWatcher(nullptr);
+bool JobRunner::Cancel(Job& job, StopCause cause) {
   MutexLock lock(mutex_);
-  RemoveFromQueue(job);
-  job.Cancel(StopCause::kCaller);
-  held_.remove_if([&](const auto& held) { return held.get() == &job; });
+  if (queue_.Remove(job)) UpdatePositions();
+  const bool cancelled = job.Cancel(cause);
   changed_.notify_all();
+  return cancelled;
 }
 
 void JobRunner::StartDraining() {
   MutexLock lock(mutex_);
   draining_ = true;
+  for (const auto& job : queue_.Order()) {
+    if (job->spec().ends_with_caller) continue;
+    queue_.Remove(*job);
+    job->Cancel(StopCause::kDrain);
+  }
+  UpdatePositions();
+  changed_.notify_all();
 }
 
 bool JobRunner::draining() const {
@@ -96,9 +131,9 @@ bool JobRunner::WaitUntilIdle(absl::Duration timeout) {
   const absl::Duration bounded = std::min(timeout, kLongestWait);
   const auto deadline = std::chrono::steady_clock::now() + absl::ToChronoNanoseconds(bounded);
   MutexLock lock(mutex_);
-  while (!held_.empty() || running_ > 0) {
+  while (!queue_.empty() || !running_.empty() || reserved_count_ > 0) {
     if (changed_.wait_until(mutex_, deadline) == std::cv_status::timeout) {
-      return held_.empty() && running_ == 0;
+      return queue_.empty() && running_.empty() && reserved_count_ == 0;
     }
   }
   return true;
@@ -106,53 +141,59 @@ bool JobRunner::WaitUntilIdle(absl::Duration timeout) {
 
 void JobRunner::StopAll() {
   MutexLock lock(mutex_);
-  queue_.clear();
-  queued_bytes_ = 0;
-  for (const auto& job : held_) job->Cancel(StopCause::kDrain);
+  while (!queue_.empty()) queue_.Pop().job->Cancel(StopCause::kDrain);
+  for (const auto& job : running_) job->Cancel(StopCause::kDrain);
   changed_.notify_all();
 }
 
 RunnerLoad JobRunner::Load() const {
   MutexLock lock(mutex_);
-  return {.queued = static_cast<int>(queue_.size()), .running = running_};
+  return {.queued = static_cast<int>(queue_.size()), .running = static_cast<int>(running_.size())};
 }
 
 void JobRunner::Work() {
-  while (const std::shared_ptr<Job> job = Next()) {
-    RunJob(*job, dependencies_);
+  while (true) {
+    auto [job, grant] = Next();
+    if (job == nullptr) return;
+    run_(job, std::move(grant));
     {
       MutexLock lock(mutex_);
-      --running_;
+      running_.erase(job);
     }
     changed_.notify_all();
   }
 }
 
-std::shared_ptr<Job> JobRunner::Next() {
+std::pair<std::shared_ptr<Job>, std::shared_ptr<void>> JobRunner::Next() {
   MutexLock lock(mutex_);
   while (true) {
-    while (queue_.empty() && !closed_) changed_.wait(mutex_);
-    if (queue_.empty()) return nullptr;
-    const std::shared_ptr<Job> job = queue_.front();
-    RemoveFromQueue(*job);
-    if (!job->Take()) continue;
-    ++running_;
-    return job;
+    if (queue_.empty()) {
+      if (closed_) return {};
+      changed_.wait(mutex_);
+      continue;
+    }
+    // A large job at the front is waited for, so that small ones cannot starve it.
+    std::shared_ptr<void> grant = budget_->Take(queue_.Front().memory_bytes);
+    if (grant == nullptr) {
+      changed_.wait(mutex_);
+      continue;
+    }
+    std::shared_ptr<Job> job = queue_.Pop().job;
+    UpdatePositions();
+    if (job->Take()) {
+      running_.insert(job);
+      return {std::move(job), std::move(grant)};
+    }
+    // Its release asks for mutex_.
+    mutex_.Unlock();
+    grant = nullptr;
+    mutex_.Lock();
   }
-}
-
-void JobRunner::RemoveFromQueue(const Job& job) {
-  const auto it = std::find_if(queue_.begin(), queue_.end(),
-                               [&](const auto& queued) { return queued.get() == &job; });
-  if (it == queue_.end()) return;
-  queued_bytes_ -= static_cast<std::int64_t>(job.mesh_bytes());
-  queue_.erase(it);
-  UpdatePositions();
 }
 
 void JobRunner::UpdatePositions() {
   int position = 0;
-  for (const auto& job : queue_) job->SetQueuePosition(position++);
+  for (const auto& job : queue_.Order()) job->SetQueuePosition(position++);
 }
 
 }  // namespace ccst::server

@@ -1,27 +1,26 @@
 #pragma once
 
-#include <cstdint>
 #include <functional>
-#include <list>
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "server/jobs/fair_queue.h"
 #include "server/jobs/job.h"
-#include "server/base/mutex.h"
-#include "server/jobs/run_job.h"
+#include "server/jobs/memory_budget.h"
 
 namespace ccst::server {
 
-/// How much is computed and kept at once.
+/// How much is computed at once and may wait.
 struct RunnerOptions {
-  int max_running_jobs = 1;                               ///< >= 1; as many worker threads.
-  int max_queued_jobs = 64;                               ///< >= 0.
-  std::int64_t max_queued_bytes = std::int64_t{1} << 30;  ///< Encoded meshes that may wait.
+  int max_running_jobs = 1;              ///< >= 1; as many worker threads.
+  int max_queued_jobs = 1024;            ///< >= 0.
+  int max_queued_jobs_per_caller = 768;  ///< >= 0; leaves room for others.
 };
 
 /// A look at the queue.
@@ -30,33 +29,52 @@ struct RunnerLoad {
   int running = 0;
 };
 
-/// Runs jobs on its own threads, first come first served, at most `max_running_jobs` at once.
-///
-/// A job is held from Submit() to Release(), and a job whose watcher has not yet read its result
-/// keeps its place in the count, so that slow readers cannot pile results up. Thread-safe.
+/// Runs jobs on its own threads, at most `max_running_jobs` at once and within the memory budget;
+/// callers take turns. Thread-safe.
 class JobRunner {
  public:
-  JobRunner(const RunnerOptions& options, RunDependencies dependencies,
-            std::function<std::string()> new_id);
+  /// Computes a job and ends it; the memory counts as used until the grant is gone. Must not
+  /// throw.
+  using Run = std::function<void(const std::shared_ptr<Job>&, std::shared_ptr<void> grant)>;
+
+  /// Room for one job to come, given back unless it is used.
+  class Place {
+   public:
+    Place(JobRunner& runner, std::string share) : runner_(&runner), share_(std::move(share)) {}
+    Place(Place&& other) noexcept;
+    Place& operator=(Place&&) = delete;
+    ~Place();
+
+   private:
+    friend class JobRunner;
+    JobRunner* runner_;  // Null once moved from or used.
+    std::string share_;
+  };
+
+  JobRunner(const RunnerOptions& options, std::shared_ptr<MemoryBudget> budget, Run run);
   /// Stops and joins what still runs.
   ~JobRunner();
   JobRunner(const JobRunner&) = delete;
   JobRunner& operator=(const JobRunner&) = delete;
 
-  /// Takes a job. RESOURCE_EXHAUSTED QUEUE_FULL | UNAVAILABLE DRAINING.
-  absl::StatusOr<std::shared_ptr<Job>> Submit(JobSpec spec);
+  /// Room for a job of `share`.
+  /// @errors RESOURCE_EXHAUSTED QUEUE_FULL | QUOTA_EXCEEDED the caller's | UNAVAILABLE DRAINING
+  absl::StatusOr<Place> Reserve(const std::string& share);
 
-  /// Asks a job to stop; one that waits ends at once and frees its place.
-  void Cancel(Job& job, StopCause cause);
+  /// Takes a job that may need `memory_bytes`, at most the budget's limit.
+  void Enqueue(Place place, std::shared_ptr<Job> job, std::int64_t memory_bytes);
+  /// One that was accepted by an earlier process: there is always room.
+  void EnqueueAccepted(std::shared_ptr<Job> job, std::int64_t memory_bytes);
 
-  /// The watcher is done with a job that was submitted; once a job. Stops it where it still runs.
-  void Release(Job& job);
+  /// Asks a job to stop; one that waits ends at once and frees its place. As Job::Cancel().
+  bool Cancel(Job& job, StopCause cause);
 
-  /// From now on Submit() refuses with DRAINING; jobs taken go on.
+  /// From now on Reserve() refuses with DRAINING. Jobs that survive the server and wait are told
+  /// to stop by kDrain; what runs and what ends with its caller goes on.
   void StartDraining();
   bool draining() const;
 
-  /// Waits until every job is released and no worker computes; false when `timeout` passed before.
+  /// Waits until nothing waits or runs; false when `timeout` passed before.
   bool WaitUntilIdle(absl::Duration timeout);
 
   /// Asks all jobs to stop, for the reason that draining cannot wait longer.
@@ -66,22 +84,23 @@ class JobRunner {
 
  private:
   void Work();
-  // The next job, RUNNING; null when the runner goes away.
-  std::shared_ptr<Job> Next();
-  void RemoveFromQueue(const Job& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // The next job, RUNNING, and its memory; null when the runner goes away.
+  std::pair<std::shared_ptr<Job>, std::shared_ptr<void>> Next();
+  void Add(FairQueue::Entry entry) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void UpdatePositions() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Return(const std::string& share);
 
   const RunnerOptions options_;
-  const RunDependencies dependencies_;
-  const std::function<std::string()> new_id_;
+  const std::shared_ptr<MemoryBudget> budget_;
+  const Run run_;
 
-  // Taken before any lock of a job or its watcher.
+  // Taken before any lock of a job or its watchers.
   mutable Mutex mutex_;
   CondVar changed_;
-  std::list<std::shared_ptr<Job>> held_ ABSL_GUARDED_BY(mutex_);   // Submitted, not released.
-  std::list<std::shared_ptr<Job>> queue_ ABSL_GUARDED_BY(mutex_);  // Waiting, in order.
-  std::int64_t queued_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
-  int running_ ABSL_GUARDED_BY(mutex_) = 0;
+  FairQueue queue_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, int> reserved_ ABSL_GUARDED_BY(mutex_);  // By share.
+  int reserved_count_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::set<std::shared_ptr<Job>> running_ ABSL_GUARDED_BY(mutex_);
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 

@@ -1,8 +1,12 @@
 #include "server/jobs/run_job.h"
 
 #include <exception>
+#include <functional>
 #include <memory>
 #include <new>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "core/base/status.h"
@@ -10,15 +14,98 @@
 namespace ccst::server {
 namespace {
 
+// What `compute` returns; exceptions become errors.
+template <typename T>
+absl::StatusOr<T> WithoutThrowing(const std::function<absl::StatusOr<T>()>& compute) {
+  try {
+    return compute();
+  } catch (const std::bad_alloc&) {
+    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kOutOfMemory,
+                     "the computation needs more memory than there is; ask for fewer samples or "
+                     "send a smaller mesh");
+  } catch (const std::exception& e) {
+    return MakeError(absl::StatusCode::kInternal, ErrorReason::kInternal,
+                     std::string("the computation broke: ") + e.what());
+  } catch (...) {
+    return MakeError(absl::StatusCode::kInternal, ErrorReason::kInternal, "the computation broke");
+  }
+}
+
+// Keeps what happens in the job and tells the observer how long each phase took.
 class JobProgress : public ProgressSink {
  public:
-  explicit JobProgress(Job& job) : job_(job) {}
-  void OnPhase(Phase phase) override { job_.AddPhase(phase); }
-  void OnAlternation(const AlternationReport& report) override { job_.AddReport(report); }
+  JobProgress(Job& job, JobObserver& observer, const Clock& clock)
+      : job_(job), observer_(observer), clock_(clock), since_(clock.seconds()) {}
+
+  void OnPhase(Phase phase) override {
+    EndPhase();
+    phase_ = phase;
+    job_.AddPhase(phase);
+  }
+
+  void OnAlternation(const AlternationReport& report) override {
+    job_.AddReport(report);
+    observer_.OnAlternation();
+  }
+
+  void EndPhase() {
+    const double now = clock_.seconds();
+    if (phase_.has_value()) observer_.OnPhase(PhaseName(*phase_), now - since_);
+    since_ = now;
+  }
 
  private:
+  static std::string_view PhaseName(Phase phase) {
+    switch (phase) {
+      case Phase::kPreparing:
+        return "preparing";
+      case Phase::kInitializing:
+        return "initializing";
+      case Phase::kRelaxing:
+        return "relaxing";
+      case Phase::kFinalizing:
+        return "finalizing";
+    }
+    return "unknown";
+  }
+
   Job& job_;
+  JobObserver& observer_;
+  const Clock& clock_;
+  std::optional<Phase> phase_;
+  double since_;
 };
+
+absl::Status Stopped() {
+  return MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled, "stopped on request");
+}
+
+// What `decode` returns, or CANCELLED as soon as `stop` is requested; it then goes on alone.
+template <typename T>
+absl::StatusOr<T> RunUnlessStopped(Executor& executor, std::stop_token stop,
+                                   std::shared_ptr<void> grant,
+                                   std::function<absl::StatusOr<T>()> decode) {
+  struct Decoding {
+    Mutex mutex;
+    CondVar changed;
+    bool done ABSL_GUARDED_BY(mutex) = false;
+    absl::StatusOr<T> result ABSL_GUARDED_BY(mutex);
+  };
+  auto decoding = std::make_shared<Decoding>();
+  const auto run = [decoding, decode = std::move(decode), grant = std::move(grant)] {
+    absl::StatusOr<T> result = WithoutThrowing<T>(decode);
+    MutexLock lock(decoding->mutex);
+    decoding->result = std::move(result);
+    decoding->done = true;
+    decoding->changed.notify_all();
+  };
+  if (!executor.Run(run)) run();
+  MutexLock lock(decoding->mutex);
+  if (!decoding->changed.wait(decoding->mutex, stop, [&] { return decoding->done; })) {
+    return Stopped();
+  }
+  return std::move(decoding->result);
+}
 
 std::vector<std::string> WarningsOf(const SamplingResult& result) {
   std::vector<std::string> warnings;
@@ -50,57 +137,61 @@ std::int64_t LayoutBytes(const SampleSet& samples) {
          12 * static_cast<std::int64_t>(samples.triangles.size());
 }
 
-absl::StatusOr<JobResult> Compute(Job& job, const RunDependencies& dependencies) {
+absl::StatusOr<JobResult> Compute(Job& job, const RunDependencies& dependencies,
+                                  const RunInputs& inputs) {
   const auto seconds = dependencies.clock.seconds;
   const double start = seconds();
-  const absl::Status stopped =
-      MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled, "stopped on request");
-  if (job.stop_token().stop_requested()) return stopped;
+  if (job.stop_token().stop_requested()) return Stopped();
+  const JobSpec& spec = job.spec();
   TriangleMesh mesh;
-  {
-    const std::string bytes = job.TakeMesh();
-    CCST_ASSIGN_OR_RETURN(mesh, dependencies.decode(bytes, dependencies.mesh_limits));
-  }
-  SamplingOptions options = job.options();
-  if (options.density.encoded_image != nullptr) {
-    CCST_ASSIGN_OR_RETURN(Image image, dependencies.decode_image(*options.density.encoded_image));
+  CCST_ASSIGN_OR_RETURN(mesh, RunUnlessStopped<TriangleMesh>(
+                                  inputs.decoders, job.stop_token(), inputs.grant,
+                                  [load = inputs.load, decode = dependencies.decode,
+                                   limits = dependencies.mesh_limits,
+                                   sha256 = spec.mesh_sha256]() -> absl::StatusOr<TriangleMesh> {
+                                    std::string bytes;
+                                    CCST_ASSIGN_OR_RETURN(bytes, load(sha256));
+                                    return decode(bytes, limits);
+                                  }));
+  SamplingOptions options = spec.options;
+  options.thread_count = dependencies.threads_per_job;
+  if (!spec.texture_sha256.empty()) {
+    Image image;
+    CCST_ASSIGN_OR_RETURN(
+        image, RunUnlessStopped<Image>(inputs.decoders, job.stop_token(), inputs.grant,
+                                       [load = inputs.load, decode = dependencies.decode_image,
+                                        sha256 = spec.texture_sha256]() -> absl::StatusOr<Image> {
+                                         std::string bytes;
+                                         CCST_ASSIGN_OR_RETURN(bytes, load(sha256));
+                                         return decode(bytes);
+                                       }));
     options.density.image = std::make_shared<const Image>(std::move(image));
   }
-  if (job.stop_token().stop_requested()) return stopped;
   JobResult result;
-  result.queue_seconds = job.queue_seconds();
+  result.queue_seconds = job.QueueSeconds();
   result.decode_seconds = seconds() - start;
-  JobProgress progress(job);
+  inputs.observer.OnPhase("decoding", result.decode_seconds);
+  JobProgress progress(job, inputs.observer, dependencies.clock);
   CCST_ASSIGN_OR_RETURN(
       result.run,
       dependencies.sample(mesh, options, {.stop = job.stop_token(), .progress = &progress}));
-  if (result.run.termination == Termination::kStopped) return stopped;
-  result.samples_sha256 = dependencies.digest(result.run.samples);
-  result.samples_bytes = LayoutBytes(result.run.samples);
+  progress.EndPhase();
+  if (result.run.termination == Termination::kStopped) return Stopped();
+  const SampleSet& samples = result.run.samples;
+  result.sample_count = static_cast<std::int64_t>(samples.faces.size());
+  result.triangle_count = static_cast<std::int64_t>(samples.triangles.size());
+  result.samples_sha256 = dependencies.digest(samples);
+  result.samples_bytes = LayoutBytes(samples);
   result.warnings = WarningsOf(result.run);
   result.total_seconds = seconds() - start;
   return result;
 }
 
-absl::StatusOr<JobResult> ComputeWithoutThrowing(Job& job, const RunDependencies& dependencies) {
-  try {
-    return Compute(job, dependencies);
-  } catch (const std::bad_alloc&) {
-    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kOutOfMemory,
-                     "the computation needs more memory than there is; ask for fewer samples or "
-                     "send a smaller mesh");
-  } catch (const std::exception& e) {
-    return MakeError(absl::StatusCode::kInternal, ErrorReason::kInternal,
-                     std::string("the computation broke: ") + e.what());
-  } catch (...) {
-    return MakeError(absl::StatusCode::kInternal, ErrorReason::kInternal, "the computation broke");
-  }
-}
-
 }  // namespace
 
-void RunJob(Job& job, const RunDependencies& dependencies) {
-  job.End(ComputeWithoutThrowing(job, dependencies));
+absl::StatusOr<JobResult> RunJob(Job& job, const RunDependencies& dependencies,
+                                 const RunInputs& inputs) {
+  return WithoutThrowing<JobResult>([&] { return Compute(job, dependencies, inputs); });
 }
 
 }  // namespace ccst::server

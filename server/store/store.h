@@ -59,6 +59,9 @@ class Store {
   /// there.
   virtual absl::Status EndJob(const JobRecord& job, const std::string& history) = 0;
   virtual absl::StatusOr<std::optional<JobRecord>> GetJob(const std::string& id) = 0;
+  /// The owner's job of that request_id.
+  virtual absl::StatusOr<std::optional<JobRecord>> FindRequest(const std::string& owner,
+                                                               const std::string& request_id) = 0;
   /// Empty when there is none.
   virtual absl::StatusOr<std::string> GetHistory(const std::string& id) = 0;
   /// INVALID_ARGUMENT REQUEST_INVALID for a token that is not one.

@@ -1,0 +1,510 @@
+#include "server/jobs/job_manager.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "core/base/status.h"
+
+namespace ccst::server {
+namespace {
+
+// What a mesh says of itself stands in its first bytes, but for long metadata.
+constexpr std::int64_t kHeaderBytes = std::int64_t{64} << 10;
+constexpr std::size_t kMaxPosted = std::size_t{1} << 20;
+// Ended jobs whose samples are on their way to the disk, beside those that run.
+constexpr int kStorers = 2;
+constexpr int kSweepBatch = 100;
+
+absl::Status NotFound(const std::string& id) {
+  return MakeError(absl::StatusCode::kNotFound, ErrorReason::kNotFound,
+                   "there is no job jobs/" + id + ", or not any more");
+}
+
+std::string_view StateName(JobState state) {
+  switch (state) {
+    case JobState::kSucceeded:
+      return "succeeded";
+    case JobState::kFailed:
+      return "failed";
+    case JobState::kCancelled:
+      return "cancelled";
+    default:
+      return "unfinished";
+  }
+}
+
+std::string_view CauseName(StopCause cause) {
+  switch (cause) {
+    case StopCause::kCaller:
+      return "caller";
+    case StopCause::kDrain:
+      return "drain";
+    case StopCause::kAbandoned:
+      return "abandoned";
+    case StopCause::kNone:
+      break;
+  }
+  return "none";
+}
+
+JobRecord NewRecord(const std::string& id, const JobSpec& spec, std::string definition,
+                    absl::Time now) {
+  JobRecord record;
+  record.id = id;
+  record.owner = spec.owner;
+  record.request_id = spec.request_id;
+  record.display_name = spec.display_name;
+  record.labels = spec.labels;
+  record.mesh_sha256 = spec.mesh_sha256;
+  record.texture_sha256 = spec.texture_sha256;
+  record.spec_digest = SpecDigest(spec);
+  record.definition = std::move(definition);
+  record.create_time = now;
+  return record;
+}
+
+}  // namespace
+
+JobManager::JobManager(Store& store, BlobPins& pins, const JobManagerOptions& options,
+                       JobManagerDependencies dependencies)
+    : store_(store),
+      pins_(pins),
+      options_(options),
+      dependencies_(std::move(dependencies)),
+      budget_(std::make_shared<MemoryBudget>(options.memory_budget_bytes)),
+      notifier_(1, kMaxPosted),
+      decoders_(2 * options.runner.max_running_jobs, kMaxPosted),
+      storers_(kStorers, static_cast<std::size_t>(options.runner.max_running_jobs)) {
+  runner_ = std::make_unique<JobRunner>(
+      options_.runner, budget_,
+      [this](const std::shared_ptr<Job>& job, std::shared_ptr<void> grant) {
+        Run(job, std::move(grant));
+      });
+}
+
+JobManager::~JobManager() { runner_ = nullptr; }
+
+absl::StatusOr<std::unique_ptr<JobManager>> JobManager::Start(Store& store, BlobPins& pins,
+                                                              const JobManagerOptions& options,
+                                                              JobManagerDependencies dependencies) {
+  std::unique_ptr<JobManager> manager(
+      new JobManager(store, pins, options, std::move(dependencies)));
+  std::vector<JobRecord> unfinished;
+  CCST_ASSIGN_OR_RETURN(unfinished, store.UnfinishedJobs());
+  for (const JobRecord& record : unfinished) CCST_RETURN_IF_ERROR(manager->TakeUp(record));
+  return manager;
+}
+
+absl::Status JobManager::TakeUp(const JobRecord& record) {
+  JobSpec spec;
+  CCST_ASSIGN_OR_RETURN(spec, SpecOf(record));
+  const bool cancelled = record.state == JobState::kCancelling || spec.ends_with_caller;
+  const std::shared_ptr<Job> job = NewJob(record.id, std::move(spec));
+  if (cancelled) {
+    job->Cancel(StopCause::kCaller);
+    return StoreEnd(*job, job->View());
+  }
+  const auto memory = MemoryOf(job->spec());
+  if (!memory.ok()) {
+    job->Take();
+    return StoreEnd(*job, job->Seal(memory.status()));
+  }
+  {
+    MutexLock lock(mutex_);
+    live_[job->id()] = job;
+  }
+  // The budget may have become smaller since it was accepted.
+  runner_->EnqueueAccepted(job, std::min(*memory, budget_->limit_bytes()));
+  return absl::OkStatus();
+}
+
+std::shared_ptr<Job> JobManager::NewJob(std::string id, JobSpec spec) {
+  return std::make_shared<Job>(
+      std::move(id), std::move(spec), dependencies_.run.clock,
+      [this](std::function<void()> task) { notifier_.Run(std::move(task)); });
+}
+
+absl::StatusOr<std::int64_t> JobManager::MemoryOf(const JobSpec& spec) const {
+  auto opened = store_.blobs().Open(spec.mesh_sha256);
+  if (absl::IsNotFound(opened.status())) {
+    return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kMeshMissing,
+                     "the mesh meshes/" + spec.mesh_sha256 + " is not stored");
+  }
+  if (!opened.ok()) return opened.status();
+  const Blob& blob = **opened;
+  const std::int64_t size = blob.size_bytes();
+  const auto count = [&](std::int64_t length) -> absl::StatusOr<MeshCounts> {
+    std::string start(static_cast<std::size_t>(length), '\0');
+    CCST_RETURN_IF_ERROR(blob.Read(0, start));
+    return dependencies_.run.count(start, size, dependencies_.run.mesh_limits);
+  };
+  auto counts = count(std::min(size, kHeaderBytes));
+  if (!counts.ok() && size > kHeaderBytes) counts = count(size);
+  if (!counts.ok()) return counts.status();
+  return EstimateMemory(counts->vertices, counts->faces, spec.options);
+}
+
+absl::Status JobManager::Check(const JobSpec& spec) {
+  std::int64_t memory = 0;
+  CCST_ASSIGN_OR_RETURN(memory, MemoryOf(spec));
+  if (memory <= budget_->limit_bytes()) return absl::OkStatus();
+  return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kLimitExceeded,
+                   "the job may need " + std::to_string(memory) +
+                       " bytes of memory, over max_job_memory_bytes, " +
+                       std::to_string(budget_->limit_bytes()) +
+                       "; ask for fewer samples or send a smaller mesh");
+}
+
+absl::StatusOr<std::shared_ptr<Job>> JobManager::Create(JobSpec spec) {
+  if (!spec.request_id.empty()) {
+    std::optional<JobRecord> earlier;
+    CCST_ASSIGN_OR_RETURN(earlier, store_.FindRequest(spec.owner, spec.request_id));
+    if (earlier.has_value()) return Find(spec.owner, earlier->id);
+  }
+  CCST_RETURN_IF_ERROR(Check(spec));
+  std::int64_t memory = 0;
+  CCST_ASSIGN_OR_RETURN(memory, MemoryOf(spec));
+  auto place = runner_->Reserve(spec.share);
+  if (!place.ok()) return place.status();
+  const JobRecord record =
+      NewRecord(dependencies_.new_id(), spec, dependencies_.codec.encode_definition(spec),
+                dependencies_.run.clock.now());
+  if (!spec.skip_cache_lookup) {
+    std::shared_ptr<Job> answered;
+    CCST_ASSIGN_OR_RETURN(answered, AnswerFromCache(record, spec));
+    dependencies_.observer->OnCacheLookup("result", answered != nullptr);
+    if (answered != nullptr) return answered;
+  }
+  const std::shared_ptr<Job> job = NewJob(record.id, std::move(spec));
+  {
+    // Found from the moment on that it is stored.
+    MutexLock lock(mutex_);
+    live_[job->id()] = job;
+  }
+  auto stored = store_.AddJob(record);
+  if (!stored.ok() || stored->id != record.id) {
+    MutexLock lock(mutex_);
+    live_.erase(job->id());
+  }
+  if (!stored.ok()) return stored.status();
+  if (stored->id != record.id) return Find(stored->owner, stored->id);
+  runner_->Enqueue(*std::move(place), job, memory);
+  return job;
+}
+
+absl::StatusOr<std::shared_ptr<Job>> JobManager::AnswerFromCache(const JobRecord& record,
+                                                                 const JobSpec& spec) {
+  const absl::Time now = dependencies_.run.clock.now();
+  std::optional<JobRecord> found;
+  CCST_ASSIGN_OR_RETURN(found, store_.FindReusable(record.spec_digest, now));
+  if (!found.has_value()) return nullptr;
+  const BlobPins::Pin pin(pins_, found->samples_sha256);
+  if (!store_.blobs().Contains(found->samples_sha256)) return nullptr;
+  std::string history;
+  CCST_ASSIGN_OR_RETURN(history, store_.GetHistory(found->id));
+  JobRecord added;
+  CCST_ASSIGN_OR_RETURN(added, store_.AddJob(record));
+  if (added.id != record.id) return Find(spec.owner, added.id);
+  JobRecord ended = record;
+  ended.state = JobState::kSucceeded;
+  ended.start_time = now;
+  ended.end_time = now;
+  ended.expire_time = now + options_.retention;
+  ended.outcome = found->outcome;
+  ended.samples_sha256 = found->samples_sha256;
+  ended.reusable = true;
+  ended.cached = true;
+  CCST_RETURN_IF_ERROR(store_.EndJob(ended, history));
+  return Restore(ended);
+}
+
+absl::StatusOr<JobSpec> JobManager::SpecOf(const JobRecord& record) const {
+  JobSpec spec;
+  CCST_RETURN_IF_ERROR(dependencies_.codec.decode_definition(record.definition, spec));
+  spec.owner = record.owner;
+  spec.share = record.owner;
+  spec.request_id = record.request_id;
+  spec.display_name = record.display_name;
+  spec.labels = record.labels;
+  spec.mesh_sha256 = record.mesh_sha256;
+  spec.texture_sha256 = record.texture_sha256;
+  return spec;
+}
+
+absl::StatusOr<JobView> JobManager::ViewOf(const JobRecord& record) const {
+  JobView view;
+  CCST_RETURN_IF_ERROR(dependencies_.codec.decode_outcome(record.outcome, view));
+  view.state = record.state;
+  view.cached = record.cached;
+  view.samples_blob = record.samples_sha256;
+  view.create_time = record.create_time;
+  view.start_time = record.start_time;
+  view.end_time = record.end_time;
+  view.expire_time = record.expire_time;
+  return view;
+}
+
+absl::StatusOr<std::shared_ptr<Job>> JobManager::Find(const std::string& owner,
+                                                      const std::string& id) {
+  std::shared_ptr<Job> job;
+  {
+    MutexLock lock(mutex_);
+    if (const auto live = live_.find(id); live != live_.end()) {
+      job = live->second;
+    } else if (const auto ended = ended_.find(id); ended != ended_.end()) {
+      job = ended->second.lock();
+    }
+  }
+  if (job != nullptr) {
+    if (job->spec().owner != owner) return NotFound(id);
+    return job;
+  }
+  std::optional<JobRecord> record;
+  CCST_ASSIGN_OR_RETURN(record, store_.GetJob(id));
+  if (!record.has_value() || record->owner != owner) return NotFound(id);
+  // Not live and not ended: it was put back while the server drains.
+  if (!HasEnded(record->state)) {
+    return MakeError(absl::StatusCode::kUnavailable, ErrorReason::kDraining,
+                     "the server is going away; the job goes on when it is back");
+  }
+  return Restore(*record);
+}
+
+absl::StatusOr<std::shared_ptr<Job>> JobManager::Restore(const JobRecord& record) {
+  std::string encoded;
+  CCST_ASSIGN_OR_RETURN(encoded, store_.GetHistory(record.id));
+  std::vector<AlternationReport> reports;
+  CCST_ASSIGN_OR_RETURN(reports, dependencies_.codec.decode_history(encoded));
+  JobSpec spec;
+  CCST_ASSIGN_OR_RETURN(spec, SpecOf(record));
+  JobView view;
+  CCST_ASSIGN_OR_RETURN(view, ViewOf(record));
+  auto job = std::make_shared<Job>(record.id, std::move(spec), dependencies_.run.clock,
+                                   std::move(view), std::move(reports));
+  MutexLock lock(mutex_);
+  std::weak_ptr<Job>& known = ended_[record.id];
+  if (auto other = known.lock()) return other;
+  known = job;
+  return job;
+}
+
+absl::StatusOr<Page<JobSummary>> JobManager::List(const JobFilter& filter, int page_size,
+                                                  const std::string& page_token) {
+  Page<JobRecord> records;
+  CCST_ASSIGN_OR_RETURN(records, store_.ListJobs(filter, page_size, page_token));
+  Page<JobSummary> page{.records = {}, .next_token = std::move(records.next_token)};
+  for (const JobRecord& record : records.records) {
+    std::shared_ptr<Job> live;
+    {
+      MutexLock lock(mutex_);
+      if (const auto found = live_.find(record.id); found != live_.end()) live = found->second;
+    }
+    JobSummary summary{.id = record.id, .spec = {}, .view = {}};
+    if (live != nullptr) {
+      summary.spec = live->spec();
+      summary.view = live->View();
+    } else {
+      CCST_ASSIGN_OR_RETURN(summary.spec, SpecOf(record));
+      CCST_ASSIGN_OR_RETURN(summary.view, ViewOf(record));
+    }
+    page.records.push_back(std::move(summary));
+  }
+  return page;
+}
+
+absl::Status JobManager::Cancel(const std::shared_ptr<Job>& job, StopCause cause) {
+  if (HasEnded(job->View().state)) return absl::OkStatus();
+  // The wish first: a server that is killed between the two must not run the job again.
+  if (!job->spec().ends_with_caller) CCST_RETURN_IF_ERROR(store_.MarkCancelling(job->id()));
+  if (!runner_->Cancel(*job, cause)) return absl::OkStatus();
+  dependencies_.observer->OnCancel(CauseName(cause));
+  const JobView view = job->View();
+  // What runs is stored when its worker lets go of it.
+  if (!HasEnded(view.state) || view.start_time.has_value()) return absl::OkStatus();
+  return StoreEnd(*job, view);
+}
+
+void JobManager::Run(const std::shared_ptr<Job>& job, std::shared_ptr<void> grant) {
+  auto outcome = RunJob(
+      *job, dependencies_.run,
+      {.load = [this](const std::string& sha256) { return ReadWhole(store_.blobs(), sha256); },
+       .decoders = decoders_,
+       .grant = grant,
+       .observer = *dependencies_.observer});
+  {
+    MutexLock lock(mutex_);
+    ++storing_;
+  }
+  auto finish = [this, job, grant = std::move(grant),
+                 outcome = std::make_shared<absl::StatusOr<JobResult>>(std::move(outcome))] {
+    Finish(job, std::move(*outcome));
+    MutexLock lock(mutex_);
+    --storing_;
+    changed_.notify_all();
+  };
+  // The worker takes the next job while the disk works.
+  if (!storers_.Run(finish)) finish();
+}
+
+void JobManager::Finish(const std::shared_ptr<Job>& job, absl::StatusOr<JobResult> outcome) {
+  SampleSet samples;
+  if (outcome.ok()) samples = std::exchange(outcome->run.samples, {});
+  JobView end = job->Seal(std::move(outcome));
+  end.expire_time = *end.end_time + options_.retention;
+  const bool put_back = end.state == JobState::kCancelled && end.stop_cause == StopCause::kDrain &&
+                        !job->spec().ends_with_caller;
+  absl::Status stored;
+  std::unique_ptr<BlobPins::Pin> pin;
+  if (end.result != nullptr) {
+    auto blob = StoreSamples(samples, end);
+    stored = blob.status();
+    if (blob.ok()) pin = std::make_unique<BlobPins::Pin>(pins_, *blob);
+  }
+  if (stored.ok() && !put_back) stored = StoreEnd(*job, end);
+  if (!stored.ok()) {
+    // Its record still says that it waits: the next start runs it again.
+    end.state = JobState::kFailed;
+    end.error = stored;
+    end.result = nullptr;
+  }
+  dependencies_.observer->OnEnd(StateName(end.state),
+                                absl::ToDoubleSeconds(*end.end_time - end.create_time));
+  {
+    MutexLock lock(mutex_);
+    live_.erase(job->id());
+    if (!put_back && stored.ok()) ended_[job->id()] = job;
+  }
+  job->Publish(std::move(end));
+}
+
+absl::StatusOr<std::string> JobManager::StoreSamples(const SampleSet& samples, JobView& end) {
+  std::unique_ptr<BlobWriter> writer;
+  CCST_ASSIGN_OR_RETURN(writer, store_.blobs().NewBlob());
+  CCST_RETURN_IF_ERROR(WriteSamples(samples, *writer));
+  end.samples_blob = writer->Seal();
+  CCST_RETURN_IF_ERROR(writer->Commit());
+  return end.samples_blob;
+}
+
+absl::Status JobManager::StoreEnd(const Job& job, const JobView& end) {
+  JobRecord record;
+  record.id = job.id();
+  record.owner = job.spec().owner;
+  record.state = end.state;
+  record.start_time = end.start_time;
+  record.end_time = end.end_time;
+  record.expire_time = *end.end_time + options_.retention;
+  record.outcome = dependencies_.codec.encode_outcome(end);
+  record.samples_sha256 = end.samples_blob;
+  record.reusable = end.result != nullptr && end.result->run.termination != Termination::kTimeLimit;
+  CCST_RETURN_IF_ERROR(store_.EndJob(record, dependencies_.codec.encode_history(job.Reports())));
+  MutexLock lock(mutex_);
+  live_.erase(job.id());
+  return absl::OkStatus();
+}
+
+absl::Status JobManager::Delete(const std::string& owner, const std::string& id) {
+  std::optional<JobRecord> record;
+  CCST_ASSIGN_OR_RETURN(record, store_.GetJob(id));
+  if (!record.has_value() || record->owner != owner) return NotFound(id);
+  if (!HasEnded(record->state)) {
+    return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kJobNotEnded,
+                     "jobs/" + id + " has not ended; cancel it first");
+  }
+  return DeleteRecord(*record);
+}
+
+absl::Status JobManager::DeleteRecord(const JobRecord& record) {
+  CCST_RETURN_IF_ERROR(store_.DeleteJob(record.id));
+  {
+    MutexLock lock(mutex_);
+    ended_.erase(record.id);
+  }
+  for (const std::string* blob :
+       {&record.samples_sha256, &record.texture_sha256, &record.mesh_sha256}) {
+    CCST_RETURN_IF_ERROR(pins_.Drop(*blob));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<StoredSamples> JobManager::OpenSamples(const Job& job) const {
+  const JobView view = job.View();
+  if (!HasEnded(view.state)) {
+    return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kJobNotEnded,
+                     job.name() + " has not ended; watch it until it has");
+  }
+  if (view.result == nullptr) {
+    return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kJobHasNoSamples,
+                     job.name() + " failed or was cancelled");
+  }
+  std::shared_ptr<const Blob> blob;
+  CCST_ASSIGN_OR_RETURN(blob, store_.blobs().Open(view.samples_blob));
+  return StoredSamples::Open(std::move(blob));
+}
+
+absl::StatusOr<std::int64_t> JobManager::Watch(Job& job, std::function<void()> watcher,
+                                               int preview_sample_count) {
+  const auto id =
+      job.AddWatcher(std::move(watcher), preview_sample_count, options_.max_watchers_per_job);
+  if (!id.has_value()) {
+    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQuotaExceeded,
+                     job.name() + " has " + std::to_string(options_.max_watchers_per_job) +
+                         " watchers, which is max_watchers_per_job");
+  }
+  MutexLock lock(mutex_);
+  ++watchers_;
+  return *id;
+}
+
+void JobManager::Unwatch(const std::shared_ptr<Job>& job, std::int64_t watcher) {
+  job->RemoveWatcher(watcher);
+  {
+    MutexLock lock(mutex_);
+    --watchers_;
+    changed_.notify_all();
+  }
+}
+
+absl::Status JobManager::Sweep() {
+  std::vector<std::shared_ptr<Job>> live;
+  {
+    MutexLock lock(mutex_);
+    for (const auto& [id, job] : live_) live.push_back(job);
+    std::erase_if(ended_, [](const auto& entry) { return entry.second.expired(); });
+  }
+  for (const auto& job : live) {
+    const auto& abandon_seconds = job->spec().abandon_seconds;
+    if (abandon_seconds.has_value() && job->UnwatchedSeconds() > *abandon_seconds) {
+      CCST_RETURN_IF_ERROR(Cancel(job, StopCause::kAbandoned));
+    }
+  }
+  std::vector<std::string> expired;
+  CCST_ASSIGN_OR_RETURN(expired, store_.ExpiredJobs(dependencies_.run.clock.now(), kSweepBatch));
+  for (const std::string& id : expired) {
+    std::optional<JobRecord> record;
+    CCST_ASSIGN_OR_RETURN(record, store_.GetJob(id));
+    if (record.has_value()) CCST_RETURN_IF_ERROR(DeleteRecord(*record));
+  }
+  return absl::OkStatus();
+}
+
+bool JobManager::WaitUntilIdle(absl::Duration timeout) {
+  const auto deadline = std::chrono::steady_clock::now() +
+                        absl::ToChronoNanoseconds(std::min(timeout, absl::Hours(24 * 365)));
+  if (!runner_->WaitUntilIdle(timeout)) return false;
+  MutexLock lock(mutex_);
+  while (storing_ > 0 || watchers_ > 0) {
+    if (changed_.wait_until(mutex_, deadline) == std::cv_status::timeout) {
+      return storing_ == 0 && watchers_ == 0;
+    }
+  }
+  return true;
+}
+
+int JobManager::watcher_count() const {
+  MutexLock lock(mutex_);
+  return watchers_;
+}
+
+}  // namespace ccst::server
