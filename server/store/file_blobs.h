@@ -1,0 +1,39 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "server/store/blob_store.h"
+#include "server/store/files.h"
+
+namespace ccst::server {
+
+/// Blobs as files `blobs/ab/abcdef...`, by the first digits of the digest. One on its way is a file
+/// in `incoming` and gets its place by a rename, so that whatever is in `blobs` is whole.
+class FileBlobs : public BlobStore {
+ public:
+  /// The blobs below `directory`, which nobody else writes to; drops what was on its way when the
+  /// process before this one went away.
+  /// @errors RESOURCE_EXHAUSTED STORAGE_FULL | INTERNAL STORAGE_FAILED
+  static absl::StatusOr<std::unique_ptr<FileBlobs>> Open(const FileDescriptor& directory);
+
+  absl::StatusOr<std::unique_ptr<BlobWriter>> NewBlob() override;
+  absl::StatusOr<std::shared_ptr<const Blob>> Open(const std::string& sha256) const override;
+  bool Contains(const std::string& sha256) const override;
+  absl::Status Remove(const std::string& sha256) override;
+  absl::StatusOr<std::vector<std::string>> List() const override;
+
+ private:
+  FileBlobs(FileDescriptor blobs, FileDescriptor incoming)
+      : blobs_(std::move(blobs)), incoming_(std::move(incoming)) {}
+
+  const FileDescriptor blobs_;
+  const FileDescriptor incoming_;
+  std::atomic<std::uint64_t> next_name_ = 0;
+};
+
+}  // namespace ccst::server
