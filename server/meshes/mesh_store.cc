@@ -78,7 +78,7 @@ absl::StatusOr<StoredMesh> MeshStore::Finish(const MeshUpload& upload, BlobWrite
   std::vector<MeshRecord> in_the_way;
   CCST_ASSIGN_OR_RETURN(in_the_way, InTheWayOf(upload.owner, upload.size_bytes));
   for (const MeshRecord& mesh : in_the_way) CCST_RETURN_IF_ERROR(Drop(mesh));
-  const absl::Time now = dependencies_.clock.now();
+  const absl::Time now = Now();
   record = {.owner = upload.owner,
             .sha256 = upload.sha256,
             .size_bytes = upload.size_bytes,
@@ -129,11 +129,11 @@ absl::StatusOr<Page<StoredMesh>> MeshStore::List(const std::string& owner, int p
                                                  const std::string& page_token) {
   Page<MeshRecord> records;
   CCST_ASSIGN_OR_RETURN(records, store_.ListMeshes(owner, page_size, page_token));
-  const absl::Time now = dependencies_.clock.now();
+  const absl::Time now = Now();
   Page<StoredMesh> page;
   page.next_token = std::move(records.next_token);
   for (MeshRecord& record : records.records) {
-    if (record.expire_time <= now) continue;
+    if (record.expire_time < now) continue;
     StoredMesh mesh;
     CCST_ASSIGN_OR_RETURN(mesh, WithFacts(std::move(record)));
     page.records.push_back(std::move(mesh));
@@ -160,17 +160,21 @@ absl::Status MeshStore::DropExpired() {
   std::vector<MeshRecord> expired;
   do {
     MutexLock lock(changes_);
-    CCST_ASSIGN_OR_RETURN(expired, store_.ExpiredMeshes(dependencies_.clock.now(), kDropBatch));
+    CCST_ASSIGN_OR_RETURN(expired, store_.ExpiredMeshes(Now(), kDropBatch));
     for (const MeshRecord& mesh : expired) CCST_RETURN_IF_ERROR(Drop(mesh));
   } while (!expired.empty());
   return absl::OkStatus();
+}
+
+absl::Time MeshStore::Now() const {
+  return absl::FromUnixMicros(absl::ToUnixMicros(dependencies_.clock.now()));
 }
 
 absl::StatusOr<std::optional<MeshRecord>> MeshStore::Find(const std::string& owner,
                                                           const std::string& sha256) {
   std::optional<MeshRecord> record;
   CCST_ASSIGN_OR_RETURN(record, store_.GetMesh(owner, sha256));
-  if (record.has_value() && record->expire_time <= dependencies_.clock.now()) record.reset();
+  if (record.has_value() && record->expire_time < Now()) record.reset();
   return record;
 }
 
@@ -179,7 +183,7 @@ absl::StatusOr<std::optional<MeshRecord>> MeshStore::Touch(const std::string& ow
   std::optional<MeshRecord> record;
   CCST_ASSIGN_OR_RETURN(record, Find(owner, sha256));
   if (!record.has_value()) return record;
-  const absl::Time expire_time = dependencies_.clock.now() + options_.retention;
+  const absl::Time expire_time = Now() + options_.retention;
   CCST_RETURN_IF_ERROR(store_.TouchMesh(owner, sha256, expire_time));
   record->expire_time = std::max(record->expire_time, expire_time);
   return record;

@@ -103,6 +103,8 @@ class MeshStore {
   absl::Status DropExpired();
 
  private:
+  // As records keep it.
+  absl::Time Now() const;
   // Empty when absent or expired.
   absl::StatusOr<std::optional<MeshRecord>> Find(const std::string& owner,
                                                  const std::string& sha256);
