@@ -7,10 +7,6 @@
 #include <string_view>
 
 #include "absl/time/time.h"
-<<<<<<< HEAD:server/rpc/server_log.h
-#include "server/base/mutex.h"
-=======
->>>>>>> guard:server/log/server_log.h
 
 namespace ccst::server {
 

@@ -60,6 +60,7 @@ absl::StatusOr<MeshFacts> MeasureMesh(const TriangleMesh& mesh) {
                   .area = surface.area() * surface.unit() * surface.unit(),
                   .bounds_min = box.min(),
                   .bounds_max = box.max(),
+                  .attributes = {},
                   .warnings = WarningsOf(repaired.report)};
   std::transform(mesh.attributes.begin(), mesh.attributes.end(),
                  std::back_inserter(facts.attributes), FactsOf);

@@ -22,8 +22,10 @@ absl::Status NotFound(const std::string& sha256) {
 
 absl::Status QuotaExceeded(std::int64_t bytes, std::int64_t limit) {
   return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQuotaExceeded,
-                   "a mesh of " + std::to_string(bytes) + " bytes does not fit beside those in use "
-                   "within " + std::to_string(limit) + " bytes; delete meshes or wait for jobs");
+                   "a mesh of " + std::to_string(bytes) +
+                       " bytes does not fit beside those in use "
+                       "within " +
+                       std::to_string(limit) + " bytes; delete meshes or wait for jobs");
 }
 
 }  // namespace
@@ -48,9 +50,8 @@ absl::StatusOr<std::vector<MeshDigest>> MeshStore::FindMissing(
 absl::StatusOr<std::unique_ptr<BlobWriter>> MeshStore::Begin(const MeshUpload& upload) {
   if (upload.size_bytes > options_.max_mesh_bytes) {
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kLimitExceeded,
-                     "the mesh has " + std::to_string(upload.size_bytes) +
-                         " bytes; at most " + std::to_string(options_.max_mesh_bytes) +
-                         " are accepted");
+                     "the mesh has " + std::to_string(upload.size_bytes) + " bytes; at most " +
+                         std::to_string(options_.max_mesh_bytes) + " are accepted");
   }
   CCST_RETURN_IF_ERROR(InTheWayOf(upload.owner, upload.size_bytes).status());
   return store_.blobs().NewBlob();
@@ -77,7 +78,7 @@ absl::StatusOr<StoredMesh> MeshStore::Finish(const MeshUpload& upload, BlobWrite
   std::vector<MeshRecord> in_the_way;
   CCST_ASSIGN_OR_RETURN(in_the_way, InTheWayOf(upload.owner, upload.size_bytes));
   for (const MeshRecord& mesh : in_the_way) CCST_RETURN_IF_ERROR(Drop(mesh));
-  const absl::Time now = dependencies_.clock.now();
+  const absl::Time now = Now();
   record = {.owner = upload.owner,
             .sha256 = upload.sha256,
             .size_bytes = upload.size_bytes,
@@ -128,10 +129,11 @@ absl::StatusOr<Page<StoredMesh>> MeshStore::List(const std::string& owner, int p
                                                  const std::string& page_token) {
   Page<MeshRecord> records;
   CCST_ASSIGN_OR_RETURN(records, store_.ListMeshes(owner, page_size, page_token));
-  const absl::Time now = dependencies_.clock.now();
-  Page<StoredMesh> page{.next_token = std::move(records.next_token)};
+  const absl::Time now = Now();
+  Page<StoredMesh> page;
+  page.next_token = std::move(records.next_token);
   for (MeshRecord& record : records.records) {
-    if (record.expire_time <= now) continue;
+    if (record.expire_time < now) continue;
     StoredMesh mesh;
     CCST_ASSIGN_OR_RETURN(mesh, WithFacts(std::move(record)));
     page.records.push_back(std::move(mesh));
@@ -147,9 +149,9 @@ absl::Status MeshStore::Delete(const std::string& owner, const std::string& sha2
   bool in_use = false;
   CCST_ASSIGN_OR_RETURN(in_use, store_.IsMeshInUse(owner, sha256));
   if (in_use) {
-    return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kMeshInUse,
-                     "a job that has not ended needs meshes/" + sha256 +
-                         "; cancel it or wait for its end");
+    return MakeError(
+        absl::StatusCode::kFailedPrecondition, ErrorReason::kMeshInUse,
+        "a job that has not ended needs meshes/" + sha256 + "; cancel it or wait for its end");
   }
   return Drop(*record);
 }
@@ -158,17 +160,21 @@ absl::Status MeshStore::DropExpired() {
   std::vector<MeshRecord> expired;
   do {
     MutexLock lock(changes_);
-    CCST_ASSIGN_OR_RETURN(expired, store_.ExpiredMeshes(dependencies_.clock.now(), kDropBatch));
+    CCST_ASSIGN_OR_RETURN(expired, store_.ExpiredMeshes(Now(), kDropBatch));
     for (const MeshRecord& mesh : expired) CCST_RETURN_IF_ERROR(Drop(mesh));
   } while (!expired.empty());
   return absl::OkStatus();
+}
+
+absl::Time MeshStore::Now() const {
+  return absl::FromUnixMicros(absl::ToUnixMicros(dependencies_.clock.now()));
 }
 
 absl::StatusOr<std::optional<MeshRecord>> MeshStore::Find(const std::string& owner,
                                                           const std::string& sha256) {
   std::optional<MeshRecord> record;
   CCST_ASSIGN_OR_RETURN(record, store_.GetMesh(owner, sha256));
-  if (record.has_value() && record->expire_time <= dependencies_.clock.now()) record.reset();
+  if (record.has_value() && record->expire_time < Now()) record.reset();
   return record;
 }
 
@@ -177,14 +183,15 @@ absl::StatusOr<std::optional<MeshRecord>> MeshStore::Touch(const std::string& ow
   std::optional<MeshRecord> record;
   CCST_ASSIGN_OR_RETURN(record, Find(owner, sha256));
   if (!record.has_value()) return record;
-  const absl::Time expire_time = dependencies_.clock.now() + options_.retention;
+  const absl::Time expire_time = Now() + options_.retention;
   CCST_RETURN_IF_ERROR(store_.TouchMesh(owner, sha256, expire_time));
   record->expire_time = std::max(record->expire_time, expire_time);
   return record;
 }
 
 absl::StatusOr<StoredMesh> MeshStore::WithFacts(MeshRecord record) const {
-  StoredMesh mesh{.record = std::move(record)};
+  StoredMesh mesh;
+  mesh.record = std::move(record);
   CCST_ASSIGN_OR_RETURN(mesh.facts, dependencies_.decode_facts(mesh.record.facts));
   return mesh;
 }

@@ -80,8 +80,8 @@ class MeshStore {
   absl::StatusOr<std::unique_ptr<BlobWriter>> Begin(const MeshUpload& upload);
 
   /// Checks digest and size, decodes and measures, drops of what is idle the least lately used
-  /// until there is room, and stores. A mesh that was stored meanwhile stays as it is. Nothing stays
-  /// of what is refused. Holds the encoded and the decoded mesh in memory.
+  /// until there is room, and stores. A mesh that was stored meanwhile stays as it is. Nothing
+  /// stays of what is refused. Holds the encoded and the decoded mesh in memory.
   /// @errors INVALID_ARGUMENT DIGEST_MISMATCH | RESOURCE_EXHAUSTED QUOTA_EXCEEDED | those of decode
   ///         and measure | those of Store
   absl::StatusOr<StoredMesh> Finish(const MeshUpload& upload, BlobWriter& writer);
@@ -103,6 +103,8 @@ class MeshStore {
   absl::Status DropExpired();
 
  private:
+  // As records keep it.
+  absl::Time Now() const;
   // Empty when absent or expired.
   absl::StatusOr<std::optional<MeshRecord>> Find(const std::string& owner,
                                                  const std::string& sha256);

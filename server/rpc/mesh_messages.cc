@@ -146,6 +146,7 @@ absl::StatusOr<MeshFacts> DecodeFacts(const std::string& bytes) {
                   .area = mesh.surface_area(),
                   .bounds_min = ccst::FromProto(mesh.bounds_min()),
                   .bounds_max = ccst::FromProto(mesh.bounds_max()),
+                  .attributes = {},
                   .warnings = {mesh.warnings().begin(), mesh.warnings().end()}};
   for (const v1::MeshAttribute& attribute : mesh.attributes()) {
     facts.attributes.push_back({.name = attribute.attribute_name(),
@@ -154,6 +155,20 @@ absl::StatusOr<MeshFacts> DecodeFacts(const std::string& bytes) {
                                 .max_value = attribute.max_value()});
   }
   return facts;
+}
+
+absl::StatusOr<bool> FindHeld(MeshStore& meshes, const MeshUpload& upload, v1::Mesh& mesh) {
+  const auto held = meshes.Use(upload.owner, upload.sha256);
+  if (absl::IsNotFound(held.status())) return false;
+  CCST_RETURN_IF_ERROR(held.status());
+  if (held->record.size_bytes != upload.size_bytes) {
+    return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kDigestMismatch,
+                     "announced are " + std::to_string(upload.size_bytes) +
+                         " bytes; what has this digest has " +
+                         std::to_string(held->record.size_bytes));
+  }
+  mesh = ToProto(*held);
+  return true;
 }
 
 MeshDependencies RealMeshDependencies(const Clock& clock) {

@@ -42,6 +42,11 @@ v1::Mesh ToProto(const StoredMesh& mesh);
 std::string EncodeFacts(const MeshFacts& facts);
 absl::StatusOr<MeshFacts> DecodeFacts(const std::string& bytes);
 
+/// True when the owner has stored what is to be uploaded; fills `mesh` then and moves its expiry
+/// later.
+/// @errors INVALID_ARGUMENT DIGEST_MISMATCH it is held with another size
+absl::StatusOr<bool> FindHeld(MeshStore& meshes, const MeshUpload& upload, v1::Mesh& mesh);
+
 /// Decodes Draco, measures with the core, keeps facts as messages.
 MeshDependencies RealMeshDependencies(const Clock& clock);
 
