@@ -36,19 +36,6 @@ class Corpus {
   fs::path folder_;
 };
 
-std::map<std::string, ccst::TriangleMesh> Meshes() {
-  return {{"cube", shapes::Cube()},
-          {"triangle", shapes::SingleTriangle()},
-          {"sphere", shapes::Icosphere(1)},
-          {"unwelded", shapes::Unwelded(shapes::Tetrahedron())},
-          {"isolated", shapes::WithIsolatedVertices(shapes::Tetrahedron(), 3)},
-          {"fins", shapes::ThreeFins()},
-          {"touching", shapes::TetrahedraSharingVertex()},
-          {"moebius", shapes::MoebiusStrip(12, 2)},
-          {"attributes", WithAttributes(shapes::Cube())},
-          {"flipped", shapes::WithFlippedFace(shapes::Icosphere(1), 7)}};
-}
-
 ccst::TriangleMesh WithAttributes(ccst::TriangleMesh mesh) {
   using ccst::AttributeKind;
   const auto values = [&mesh](std::size_t count) {
@@ -65,6 +52,19 @@ ccst::TriangleMesh WithAttributes(ccst::TriangleMesh mesh) {
       {.name = "heat", .values = values(1)},
       {.name = "flow", .components = 3, .values = values(3)}};
   return mesh;
+}
+
+std::map<std::string, ccst::TriangleMesh> Meshes() {
+  return {{"cube", shapes::Cube()},
+          {"triangle", shapes::SingleTriangle()},
+          {"sphere", shapes::Icosphere(1)},
+          {"unwelded", shapes::Unwelded(shapes::Tetrahedron())},
+          {"isolated", shapes::WithIsolatedVertices(shapes::Tetrahedron(), 3)},
+          {"fins", shapes::ThreeFins()},
+          {"touching", shapes::TetrahedraSharingVertex()},
+          {"moebius", shapes::MoebiusStrip(12, 2)},
+          {"attributes", WithAttributes(shapes::Cube())},
+          {"flipped", shapes::WithFlippedFace(shapes::Icosphere(1), 7)}};
 }
 
 void AddFiles(const std::string& name, const ccst::TriangleMesh& mesh, Corpus* corpus) {
