@@ -174,9 +174,9 @@ CLI::App* AddSample(CLI::App& app, Flags& flags) {
       ->type_name("N")
       ->check(CLI::Range(1, 1024).description(""));
   sub->add_option("--quantization-bits", c.quantization_bits,
-                  "Send coordinates with N bits, 1 to 30: smaller uploads, moved vertices")
+                  "Send coordinates with N bits, 1 to 24: smaller uploads, moved vertices")
       ->type_name("N")
-      ->check(CLI::Range(1, 30).description(""));
+      ->check(CLI::Range(1, 24).description(""));
   AddChoice(*sub, "--progress", kProgressStyles, c.progress,
             "auto, bar, lines, json or none, on standard error");
   return sub;
@@ -198,7 +198,8 @@ void CheckSample(const Flags& flags) {
     throw CLI::ValidationError("--threads needs --local; a server chooses its own");
   }
   if (flags.sample.options.method != SamplingMethod::kCcst && !flags.sample.mesh_path.empty()) {
-    throw CLI::ValidationError("--mesh-output needs --method ccst; the others make no mesh");
+    throw CLI::ValidationError(
+        "--mesh-output needs --method ccst; the others make no mesh: write their samples with -o");
   }
   if (const absl::Status status = CheckOutputs(flags.sample); !status.ok()) {
     throw CLI::ValidationError(std::string(status.message()));

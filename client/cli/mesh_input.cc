@@ -59,8 +59,21 @@ double LargestMove(const TriangleMesh& before, const TriangleMesh& after) {
   return largest;
 }
 
-bool StartsWith(std::string_view text, std::string_view prefix) {
-  return text.substr(0, prefix.size()) == prefix;
+// What is left behind white space and, for the formats that have them, comment lines.
+std::string_view SkipBlank(std::string_view text, bool comments) {
+  for (;;) {
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    if (!comments || !text.starts_with('#')) return text;
+    text.remove_prefix(std::min(text.find('\n'), text.size()));
+  }
+}
+
+// OFF has its attributes in front of its name: ST, C and N, in this order.
+bool IsOff(std::string_view text) {
+  for (const std::string_view prefix : {"ST", "C", "N"}) {
+    if (text.starts_with(prefix)) text.remove_prefix(prefix.size());
+  }
+  return text.starts_with("OFF");
 }
 
 // Binary STL says how many triangles of 50 bytes follow its 80 bytes of anything.
@@ -77,13 +90,13 @@ bool IsBinaryStl(std::string_view bytes) {
 }  // namespace
 
 MeshFormat RecogniseFormat(std::string_view bytes) {
-  if (StartsWith(bytes, "DRACO")) return MeshFormat::kDraco;
-  if (StartsWith(bytes, "ply")) return MeshFormat::kPly;
-  if (StartsWith(bytes, "glTF") || StartsWith(bytes, "{")) return MeshFormat::kGltf;
-  if (StartsWith(bytes, "OFF") || StartsWith(bytes, "COFF") || StartsWith(bytes, "NOFF")) {
-    return MeshFormat::kOff;
+  if (bytes.starts_with("DRACO")) return MeshFormat::kDraco;
+  if (bytes.starts_with("ply")) return MeshFormat::kPly;
+  if (bytes.starts_with("glTF") || SkipBlank(bytes, false).starts_with('{')) {
+    return MeshFormat::kGltf;
   }
-  if (StartsWith(bytes, "solid") || IsBinaryStl(bytes)) return MeshFormat::kStl;
+  if (bytes.starts_with("solid") || IsBinaryStl(bytes)) return MeshFormat::kStl;
+  if (IsOff(SkipBlank(bytes, true))) return MeshFormat::kOff;
   return MeshFormat::kObj;
 }
 

@@ -108,8 +108,9 @@ absl::Status WriteOutputs(const SampleCommand& command, const MeshInput& input,
     files.emplace_back(command.samples_path, std::move(contents));
   }
   if (!command.mesh_path.empty()) {
-    CCST_ASSIGN_OR_RETURN(contents, EncodeMesh({samples.positions, samples.triangles},
-                                               MeshFormat(command.mesh_path)));
+    CCST_ASSIGN_OR_RETURN(contents,
+                          EncodeMesh({samples.positions, samples.triangles, samples.attributes},
+                                     MeshFormat(command.mesh_path)));
     files.emplace_back(command.mesh_path, std::move(contents));
   }
   if (!command.picture_path.empty()) {

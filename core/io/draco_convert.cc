@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,21 @@ std::string NameOf(const draco::Mesh& mesh, int id) {
   return name;
 }
 
+// The first components of a value as floats; false when they are no numbers. Draco itself reads
+// what is of type bool as bool, whatever the bytes are, which may be anything.
+bool ReadValue(const draco::PointAttribute& attribute, draco::AttributeValueIndex value,
+               std::span<float> out) {
+  if (value.value() >= attribute.size()) return false;
+  if (attribute.data_type() != draco::DT_BOOL) {
+    return attribute.ConvertValue<float>(value, static_cast<std::int8_t>(out.size()), out.data());
+  }
+  const std::uint8_t* const bytes = attribute.GetAddress(value);
+  if (!attribute.IsAddressValid(bytes + out.size() - 1)) return false;
+  std::transform(bytes, bytes + out.size(), out.begin(),
+                 [](std::uint8_t byte) { return byte != 0 ? 1.0F : 0.0F; });
+  return true;
+}
+
 // The vertex of every point: the value of the position it has or, in streams of ours that split
 // vertices, the number of points before that were no further point of one.
 class Vertices {
@@ -37,7 +53,7 @@ class Vertices {
     for (int i = 0; i < mesh.num_attributes(); ++i) {
       const draco::PointAttribute& attribute = *mesh.attribute(i);
       if (attribute.attribute_type() == Type::GENERIC && attribute.num_components() == 1 &&
-          NameOf(mesh, i) == kDracoSplitsName) {
+          attribute.data_type() == draco::DT_UINT8 && NameOf(mesh, i) == kDracoSplitsName) {
         splits_id_ = i;
         splits = &attribute;
       }
@@ -72,7 +88,9 @@ absl::Status FillPositions(const draco::Mesh& mesh, const draco::PointAttribute&
   result.positions.resize(static_cast<std::size_t>(vertices.count()), Eigen::Vector3d::Zero());
   const auto fill = [&](std::int64_t vertex, draco::AttributeValueIndex value) -> absl::Status {
     Eigen::Vector3d& position = result.positions[static_cast<std::size_t>(vertex)];
-    if (!positions.ConvertValue<double, 3>(value, position.data())) {
+    // Truth values are none either, and Draco would read any byte as one.
+    if (positions.data_type() == draco::DT_BOOL ||
+        !positions.ConvertValue<double, 3>(value, position.data())) {
       return NotDraco(absl::StrCat("position ", vertex, " is of a type that is no number"));
     }
     if (position.allFinite()) return absl::OkStatus();
@@ -142,11 +160,7 @@ absl::Status FillValues(const draco::Mesh& mesh, const draco::PointAttribute& so
                         source.data_type() == draco::DT_UINT8 && !source.normalized();
   std::array<float, 4> row = {};
   const auto read = [&](draco::PointIndex point) {
-    const draco::AttributeValueIndex value = source.mapped_index(point);
-    if (value.value() >= source.size() ||
-        !source.ConvertValue<float>(value, static_cast<std::int8_t>(width), row.data())) {
-      return false;
-    }
+    if (!ReadValue(source, source.mapped_index(point), std::span(row).first(width))) return false;
     if (is_bytes) {
       for (float& component : row) component /= 255.0f;
     }

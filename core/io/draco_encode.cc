@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
+#include "core/io/draco_attributes.h"
 #include "core/io/draco_header.h"
 #include "core/io/draco_mesh.h"
 #include "core/io/draco_names.h"
@@ -49,36 +50,10 @@ absl::Status Validate(const TriangleMesh& mesh, std::optional<int> quantization_
 
 using Type = draco::GeometryAttribute::Type;
 
-Type TypeOf(AttributeKind kind) {
-  switch (kind) {
-    case AttributeKind::kColor:
-      return Type::COLOR;
-    case AttributeKind::kTextureCoordinates:
-      return Type::TEX_COORD;
-    case AttributeKind::kScalar:
-      break;
-  }
-  return Type::GENERIC;
-}
-
-// Adds an attribute with one value a point, which is filled by the caller.
-draco::PointAttribute* Add(draco::Mesh& mesh, Type type, draco::DataType data_type, int components,
-                           const std::string& name) {
-  draco::GeometryAttribute attribute;
-  attribute.Init(type, nullptr, static_cast<std::int8_t>(components), data_type, false,
-                 components * draco::DataTypeLength(data_type), 0);
-  const int id = mesh.AddAttribute(attribute, /*identity_mapping=*/true, mesh.num_points());
-  if (!name.empty()) {
-    auto metadata = std::make_unique<draco::AttributeMetadata>();
-    metadata->AddEntryString(io::kDracoNameEntry, name);
-    mesh.AddAttributeMetadata(id, std::move(metadata));
-  }
-  return mesh.attribute(id);
-}
-
 void AddAttribute(const Attribute& attribute, const io::DracoPoints& points, draco::Mesh& mesh) {
   draco::PointAttribute* const out =
-      Add(mesh, TypeOf(attribute.kind), draco::DT_FLOAT32, attribute.components, attribute.name);
+      io::AddDracoAttribute(mesh, io::DracoTypeOf(attribute.kind), draco::DT_FLOAT32,
+                            attribute.components, attribute.name);
   const auto width = static_cast<std::size_t>(attribute.components);
   constexpr std::array<float, 4> kNone = {};
   for (std::uint32_t p = 0; p < points.count(); ++p) {
@@ -92,7 +67,7 @@ void AddAttribute(const Attribute& attribute, const io::DracoPoints& points, dra
 // Which points are the same vertex as the one before.
 void AddSplits(const io::DracoPoints& points, draco::Mesh& mesh) {
   draco::PointAttribute* const out =
-      Add(mesh, Type::GENERIC, draco::DT_UINT8, 1, io::kDracoSplitsName);
+      io::AddDracoAttribute(mesh, Type::GENERIC, draco::DT_UINT8, 1, io::kDracoSplitsName);
   for (std::uint32_t p = 0; p < points.count(); ++p) {
     const std::uint8_t is_same = p > 0 && points.vertex[p] == points.vertex[p - 1] ? 1 : 0;
     out->SetAttributeValue(draco::AttributeValueIndex(p), &is_same);
@@ -103,7 +78,8 @@ absl::StatusOr<std::unique_ptr<draco::Mesh>> ToDraco(const TriangleMesh& mesh) {
   const io::DracoPoints points = io::SplitIntoPoints(mesh);
   auto result = std::make_unique<draco::Mesh>();
   result->set_num_points(static_cast<std::uint32_t>(points.count()));
-  draco::PointAttribute* const positions = Add(*result, Type::POSITION, draco::DT_FLOAT32, 3, "");
+  draco::PointAttribute* const positions =
+      io::AddDracoAttribute(*result, Type::POSITION, draco::DT_FLOAT32, 3, "");
   for (std::uint32_t p = 0; p < points.count(); ++p) {
     const auto vertex = static_cast<std::size_t>(points.vertex[p]);
     const Eigen::Vector3f position = mesh.positions[vertex].cast<float>();

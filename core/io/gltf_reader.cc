@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
 #include "core/io/draco_mesh.h"
+#include "core/io/gltf_attributes.h"
 #include "core/io/gltf_document.h"
 #include "core/io/io_errors.h"
 #include "core/io/mesh_builder.h"
@@ -76,7 +77,10 @@ absl::StatusOr<Eigen::Affine3d> TransformOf(const Json& node) {
 class GltfReader {
  public:
   GltfReader(const GltfDocument& document, const MeshLimits& limits)
-      : document_(document), limits_(limits), builder_(limits) {}
+      : document_(document),
+        limits_(limits),
+        builder_(limits),
+        attributes_(limits.max_decoded_bytes) {}
 
   absl::StatusOr<MeshFile> Read() {
     CCST_RETURN_IF_ERROR(CheckExtensions(document_.json()));
@@ -156,12 +160,21 @@ class GltfReader {
     CCST_ASSIGN_OR_RETURN(const std::string_view bytes, document_.BufferView(view));
     CCST_ASSIGN_OR_RETURN(TriangleMesh mesh, DecodeDraco(bytes, limits_));
     std::vector<Attribute> wanted;
-    for (const char* const key : {"COLOR_0", "TEXCOORD_0"}) {
-      CCST_ASSIGN_OR_RETURN(const std::int64_t id,
-                            GltfInteger(extension.value("attributes", Json::object()), key, -1));
-      for (Attribute& attribute : mesh.attributes) {
-        if (id >= 0 && attribute.id == id) wanted.push_back(std::move(attribute));
-      }
+    const Json ids = extension.value("attributes", Json::object());
+    std::size_t width = 0;
+    for (const auto& [key, _] : ids.items()) {
+      const auto kind = KindOfGltfAttribute(key);
+      if (!kind.has_value()) continue;
+      CCST_ASSIGN_OR_RETURN(const std::int64_t id, GltfInteger(ids, key.c_str(), -1));
+      const auto found = std::find_if(mesh.attributes.begin(), mesh.attributes.end(),
+                                      [id](const Attribute& a) { return a.id == id; });
+      if (found == mesh.attributes.end()) continue;
+      width += static_cast<std::size_t>(found->components);
+      CCST_RETURN_IF_ERROR(CheckGltfAttributes(wanted.size() + 1, width, 3 * mesh.faces.size(),
+                                               limits_.max_decoded_bytes));
+      Attribute& attribute = wanted.emplace_back(*found);
+      attribute.name = key;
+      attribute.kind = *kind;
     }
     mesh.attributes = std::move(wanted);
     return mesh;
@@ -179,9 +192,7 @@ class GltfReader {
       mesh.positions.emplace_back(positions.At(i, 0), positions.At(i, 1), positions.At(i, 2));
     }
     CCST_RETURN_IF_ERROR(ReadFaces(primitive, mesh));
-    CCST_RETURN_IF_ERROR(ReadAttribute(attributes, "COLOR_0", AttributeKind::kColor, 3, 4, mesh));
-    CCST_RETURN_IF_ERROR(
-        ReadAttribute(attributes, "TEXCOORD_0", AttributeKind::kTextureCoordinates, 2, 2, mesh));
+    CCST_RETURN_IF_ERROR(ReadAttributes(attributes, mesh));
     return mesh;
   }
 
@@ -220,23 +231,34 @@ class GltfReader {
     return absl::OkStatus();
   }
 
-  absl::Status ReadAttribute(const Json& attributes, const char* key, AttributeKind kind,
-                             int least_components, int most_components, TriangleMesh& mesh) const {
-    CCST_ASSIGN_OR_RETURN(const std::int64_t index, GltfInteger(attributes, key, -1));
-    if (index < 0) return absl::OkStatus();
-    CCST_ASSIGN_OR_RETURN(const GltfAccessor accessor, document_.Accessor(index));
-    if (accessor.components < least_components || accessor.components > most_components ||
-        accessor.count != static_cast<std::int64_t>(mesh.positions.size())) {
-      return Unreadable(absl::StrCat(key, " has ", accessor.count, " rows of ", accessor.components,
-                                     " for ", mesh.positions.size(), " vertices"));
-    }
-    Attribute attribute{.name = "", .kind = kind, .components = accessor.components};
-    for (std::int64_t i = 0; i < accessor.count; ++i) {
-      for (int k = 0; k < accessor.components; ++k) {
-        attribute.values.push_back(static_cast<float>(accessor.At(i, k)));
+  // By vertex and named by their keys. Matrices, which attributes cannot be, are passed over.
+  absl::Status ReadAttributes(const Json& accessors, TriangleMesh& mesh) const {
+    const std::size_t vertices = mesh.positions.size();
+    std::size_t width = 0;
+    for (const auto& [key, _] : accessors.items()) {
+      const auto kind = KindOfGltfAttribute(key);
+      if (!kind.has_value()) continue;
+      CCST_ASSIGN_OR_RETURN(const std::int64_t index, GltfInteger(accessors, key.c_str(), -1));
+      CCST_ASSIGN_OR_RETURN(const Json* const json, document_.Element("accessors", index));
+      if (json->value("type", "").starts_with("MAT")) continue;
+      CCST_ASSIGN_OR_RETURN(const GltfAccessor accessor, document_.Accessor(index));
+      if (accessor.count != static_cast<std::int64_t>(vertices)) {
+        return Unreadable(absl::StrCat(Quoted(key), " has ", accessor.count, " rows for ", vertices,
+                                       " vertices"));
+      }
+      const auto components = static_cast<std::size_t>(accessor.components);
+      width += components;
+      CCST_RETURN_IF_ERROR(CheckGltfAttributes(mesh.attributes.size() + 1, width, vertices,
+                                               limits_.max_decoded_bytes));
+      Attribute& attribute = mesh.attributes.emplace_back(
+          Attribute{.name = key, .kind = *kind, .components = accessor.components});
+      attribute.values.reserve(components * vertices);
+      for (std::int64_t i = 0; i < accessor.count; ++i) {
+        for (int k = 0; k < accessor.components; ++k) {
+          attribute.values.push_back(static_cast<float>(accessor.At(i, k)));
+        }
       }
     }
-    mesh.attributes.push_back(std::move(attribute));
     return absl::OkStatus();
   }
 
@@ -257,52 +279,12 @@ class GltfReader {
                                                    first + face[order[2]]};
       CCST_RETURN_IF_ERROR(builder_.AddFace(corners, describe));
     }
-    for (const Attribute& attribute : part.attributes) {
-      AppendAttribute(part, attribute, order, corners_before);
-    }
-    return absl::OkStatus();
-  }
-
-  // By corner, because Draco has some by corner; white and (0, 0) where a part before had none.
-  void AppendAttribute(const TriangleMesh& part, const Attribute& attribute,
-                       const std::array<int, 3>& order, std::size_t corners_before) {
-    const bool is_color = attribute.kind == AttributeKind::kColor;
-    const auto width = static_cast<std::size_t>(attribute.components);
-    if (is_color) {
-      colors_.resize(4 * corners_before, 1.0F);
-      has_alpha_ = has_alpha_ || width == 4;
-    } else {
-      uv_.resize(corners_before, Eigen::Vector2f::Zero());
-    }
-    for (std::size_t f = 0; f < part.faces.size(); ++f) {
-      for (const int k : order) {
-        const std::size_t row = attribute.per_corner ? 3 * f + static_cast<std::size_t>(k)
-                                                     : static_cast<std::size_t>(part.faces[f][k]);
-        const float* const value = attribute.values.data() + width * row;
-        if (is_color) {
-          colors_.insert(colors_.end(), {value[0], value[1], value[2], width == 4 ? value[3] : 1});
-        } else {
-          uv_.emplace_back(value[0], 1.0F - value[1]);  // glTF counts v from the top.
-        }
-      }
-    }
+    return WithPrefix(attributes_.Append(part, order, corners_before), where + ": ");
   }
 
   absl::StatusOr<MeshFile> Finish() {
-    if (!colors_.empty()) {
-      colors_.resize(4 * builder_.corners(), 1.0F);
-      Attribute color{.name = "color",
-                      .kind = AttributeKind::kColor,
-                      .components = has_alpha_ ? 4 : 3,
-                      .per_corner = true};
-      for (std::size_t i = 0; i < colors_.size(); ++i) {
-        if (has_alpha_ || i % 4 < 3) color.values.push_back(colors_[i]);
-      }
-      builder_.AddAttribute(std::move(color));
-    }
-    if (!uv_.empty()) {
-      uv_.resize(builder_.corners(), Eigen::Vector2f::Zero());
-      builder_.AddCornerTexture(uv_);
+    for (Attribute& attribute : std::move(attributes_).Finish(builder_.corners())) {
+      builder_.AddAttribute(std::move(attribute));
     }
     return std::move(builder_).Finish();
   }
@@ -310,9 +292,7 @@ class GltfReader {
   const GltfDocument& document_;
   MeshLimits limits_;
   MeshBuilder builder_;
-  std::vector<float> colors_;        // Four a corner, up to the last that has one.
-  std::vector<Eigen::Vector2f> uv_;  // One a corner, up to the last that has one.
-  bool has_alpha_ = false;
+  GltfAttributes attributes_;
 };
 
 }  // namespace

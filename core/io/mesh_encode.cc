@@ -1,16 +1,23 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <vector>
 
 #include <Eigen/Geometry>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
+#include "core/io/draco_cloud.h"
 #include "core/io/draco_mesh.h"
+#include "core/io/float_positions.h"
 #include "core/io/glb_writer.h"
 #include "core/io/io_errors.h"
 #include "core/io/mesh_file.h"
 #include "core/io/numbers.h"
+#include "core/io/obj_writer.h"
+#include "core/io/sample_columns.h"
+#include "core/mesh/attributes.h"
 
 namespace ccst {
 namespace {
@@ -21,24 +28,6 @@ void AppendPosition(std::string& out, const Eigen::Vector3d& position) {
   io::AppendDouble(out, position.y());
   out += ' ';
   io::AppendDouble(out, position.z());
-}
-
-std::string EncodeObj(const TriangleMesh& mesh) {
-  std::string out;
-  for (const Eigen::Vector3d& position : mesh.positions) {
-    out += "v ";
-    AppendPosition(out, position);
-    out += '\n';
-  }
-  for (const Eigen::Vector3i& face : mesh.faces) {
-    out += 'f';
-    for (const int corner : face) {
-      out += ' ';
-      io::AppendInteger(out, std::int64_t{corner} + 1);
-    }
-    out += '\n';
-  }
-  return out;
 }
 
 std::string EncodeOff(const TriangleMesh& mesh) {
@@ -59,13 +48,20 @@ std::string EncodeOff(const TriangleMesh& mesh) {
 }
 
 std::string EncodePly(const TriangleMesh& mesh) {
+  // Readers take nx ny nz for normals.
+  const std::vector<io::SampleColumn> columns =
+      io::LayOutColumns(mesh.attributes, {"x", "y", "z", "nx", "ny", "nz"});
   std::string out =
       absl::StrCat("ply\nformat binary_little_endian 1.0\nelement vertex ", mesh.positions.size(),
-                   "\nproperty double x\nproperty double y\nproperty double z\nelement face ",
-                   mesh.faces.size(), "\nproperty list uchar int vertex_indices\nend_header\n");
-  out.reserve(out.size() + 24 * mesh.positions.size() + 13 * mesh.faces.size());
-  for (const Eigen::Vector3d& position : mesh.positions) {
-    for (const double coordinate : position) io::AppendLittleEndian(out, coordinate);
+                   "\nproperty double x\nproperty double y\nproperty double z\n");
+  io::AppendPlyProperties(out, columns);
+  absl::StrAppend(&out, "element face ", mesh.faces.size(),
+                  "\nproperty list uchar int vertex_indices\nend_header\n");
+  out.reserve(out.size() + (24 + io::PlyBytes(columns)) * mesh.positions.size() +
+              13 * mesh.faces.size());
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    for (const double coordinate : mesh.positions[i]) io::AppendLittleEndian(out, coordinate);
+    io::AppendPlyValues(out, columns, i);
   }
   for (const Eigen::Vector3i& face : mesh.faces) {
     out += '\x03';
@@ -96,7 +92,16 @@ absl::StatusOr<std::string> EncodeStl(const TriangleMesh& mesh) {
   return out;
 }
 
+// A point cloud where there are no faces, which a Draco mesh cannot do without.
+absl::StatusOr<std::string> EncodeDracoFile(const TriangleMesh& mesh) {
+  if (!mesh.faces.empty()) return EncodeDraco(mesh);
+  if (mesh.positions.empty()) return io::Empty("the mesh has no vertices; Draco needs one");
+  CCST_RETURN_IF_ERROR(io::ToFloatPositions(mesh.positions, Eigen::Vector3d::Zero()).status());
+  return io::EncodeDracoCloud(mesh.positions, {}, mesh.attributes);
+}
+
 absl::Status Validate(const TriangleMesh& mesh, MeshOutputFormat format) {
+  CCST_RETURN_IF_ERROR(CheckAttributes(mesh));
   // The other formats hold doubles. GLB and Draco look after their own, which may be relative.
   const bool holds_floats = format == MeshOutputFormat::kStl;
   const double largest =
@@ -124,7 +129,7 @@ absl::StatusOr<std::string> EncodeMesh(const TriangleMesh& mesh, MeshOutputForma
   CCST_RETURN_IF_ERROR(Validate(mesh, format));
   switch (format) {
     case MeshOutputFormat::kObj:
-      return EncodeObj(mesh);
+      return io::EncodeObj(mesh.positions, mesh.faces, mesh.attributes);
     case MeshOutputFormat::kPly:
       return EncodePly(mesh);
     case MeshOutputFormat::kStl:
@@ -132,7 +137,7 @@ absl::StatusOr<std::string> EncodeMesh(const TriangleMesh& mesh, MeshOutputForma
     case MeshOutputFormat::kOff:
       return EncodeOff(mesh);
     case MeshOutputFormat::kDraco:
-      return EncodeDraco(mesh);
+      return EncodeDracoFile(mesh);
     case MeshOutputFormat::kGlb:
       return io::EncodeGlb(mesh);
   }

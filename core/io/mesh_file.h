@@ -56,10 +56,16 @@ absl::StatusOr<MeshFile> ReadMeshFile(const std::string& path, const MeshLimits&
 
 /// The bytes of a file in `format`. Text formats round-trip the doubles; PLY (binary) and OFF
 /// hold doubles too; STL (binary), GLB and Draco hold 32-bit floats. Faces keep their order.
-/// Cost O(V + F).
-/// @errors INVALID_ARGUMENT  MESH_DEGENERATE an index is out of range, or a coordinate is not
-///                           finite in the format's precision; MESH_EMPTY Draco or GLB without
-///                           faces; LIMIT_EXCEEDED more than the format can count
+///
+/// Attributes go with it where the format has a place for them: all in Draco and GLB
+/// (EncodeDraco(), EncodeGlb()); those by vertex in PLY, colours as uchar and all else as float,
+/// see LayOutColumns(); the first colours and texture coordinates by vertex in OBJ (EncodeObj());
+/// none in OFF and STL. Without faces the file holds points, but in STL, which then holds nothing.
+/// Cost O(V + F); O(F log F) for attributes by corner in Draco and GLB.
+/// @errors INVALID_ARGUMENT  MESH_DEGENERATE an index is out of range, an attribute has the
+///                           wrong size, or a coordinate is not finite in the format's precision;
+///                           MESH_EMPTY Draco or GLB without vertices; LIMIT_EXCEEDED more than the
+///                           format can count
 absl::StatusOr<std::string> EncodeMesh(const TriangleMesh& mesh, MeshOutputFormat format);
 
 /// Writes the format of the path's extension, atomically (see WriteFileAtomically).

@@ -9,7 +9,8 @@ namespace ccst {
 struct MeshLimits {
   std::int64_t max_vertices = 10'000'000;
   std::int64_t max_faces = 20'000'000;  ///< Triangles, after polygons are cut.
-  /// What a Draco decoder may allocate, estimated from the announced counts.
+  /// What a Draco decoder may allocate, estimated from the announced counts; also what the
+  /// attributes of a glTF file may take.
   std::int64_t max_decoded_bytes = std::int64_t{2} << 30;
   std::int64_t max_bytes = std::int64_t{2} << 30;  ///< Encoded size.
 };

@@ -24,8 +24,11 @@ absl::StatusOr<MeshFile> ReadPly(std::string_view bytes, const MeshLimits& limit
 /// STL, ascii or binary, told apart by the size that a binary file's count asks for.
 absl::StatusOr<MeshFile> ReadStl(std::string_view bytes, const MeshLimits& limits);
 
-/// OFF with its COFF, NOFF, STOFF variants. Attributes: the colours of COFF and CNOFF, taken for
-/// bytes when one is above 1. What else follows x y z or the corners on a line is passed over.
+/// OFF with its variants: any of ST, C and N, in this order, before OFF. Attributes of vertices, in
+/// the order in which the numbers follow x y z: normals (N), which are passed over, colours (C),
+/// three or four numbers, taken for bytes when one is above 1, texture coordinates (ST). White and
+/// (0, 0) where a vertex has none. What else follows on a line, as the colours of faces, is passed
+/// over.
 absl::StatusOr<MeshFile> ReadOff(std::string_view text, const MeshLimits& limits);
 
 /// glTF 2.0, binary or JSON: the triangles of the default scene's meshes with the transforms of

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <array>
-#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -59,50 +59,78 @@ absl::StatusOr<Keyword> ReadKeyword(TextCursor& cursor) {
   return keyword;
 }
 
-// The colours of COFF: three or four numbers at the end of a vertex' line, bytes or fractions.
-class VertexColors {
+// What follows x y z on the vertices' lines: normals, then colours, then texture coordinates.
+class VertexValues {
  public:
+  explicit VertexValues(const Keyword& keyword) : keyword_(keyword) {}
+
   // Takes the rest of the line of the i-th vertex.
-  void Read(std::int64_t i, bool has_normal, TextCursor& cursor) {
-    std::array<double, 7> numbers = {};
+  void Read(std::int64_t i, TextCursor& cursor) {
+    if (!keyword_.has_color && !keyword_.has_texture) return;
+    std::array<double, 9> numbers = {};
     std::size_t count = 0;
     for (; count < numbers.size(); ++count) {
       const auto value = ParseDouble(cursor.TokenOnLine());
       if (!value.has_value()) break;
       numbers[count] = *value;
     }
-    const std::size_t first = has_normal ? 3 : 0;
-    if (count < first + 3) return;
-    has_alpha_ = has_alpha_ || count > first + 3;
-    values_.resize(static_cast<std::size_t>(4 * i), kNone);
-    for (std::size_t k = 0; k < 4; ++k) {
-      const bool given = first + k < count;
-      values_.push_back(given ? static_cast<float>(numbers[first + k]) : kNone);
-      largest_ = std::max(largest_, values_.back());
+    const std::size_t first = keyword_.has_normal ? 3 : 0;
+    std::span<const double> rest = std::span(numbers).first(count);
+    rest = rest.subspan(std::min(first, count));
+    // Colours may have three or four numbers; what follows them tells which.
+    const std::size_t behind = keyword_.has_texture ? 2 : 0;
+    if (keyword_.has_color && rest.size() >= 3 + behind) {
+      const std::size_t components = std::min<std::size_t>(rest.size() - behind, 4);
+      AddColor(i, rest.first(components));
+      rest = rest.subspan(components);
+    }
+    if (keyword_.has_texture && rest.size() >= 2) {
+      texture_.resize(static_cast<std::size_t>(2 * i), 0.0f);
+      for (const double value : rest.first(2)) texture_.push_back(static_cast<float>(value));
     }
   }
 
-  // The attribute, white where there was no colour; empty when there was none at all.
-  std::optional<Attribute> Finish(std::int64_t vertices) && {
-    if (values_.empty()) return std::nullopt;
-    values_.resize(static_cast<std::size_t>(4 * vertices), kNone);
-    const int components = has_alpha_ ? 4 : 3;
-    Attribute attribute{.name = "color", .kind = AttributeKind::kColor, .components = components};
-    attribute.values.reserve(static_cast<std::size_t>(components * vertices));
-    // Nothing says which it is; fractions end at 1.
-    const float divisor = largest_ > 1.0f ? 255.0f : 1.0f;
-    for (std::size_t i = 0; i < values_.size(); ++i) {
-      if (i % 4 < static_cast<std::size_t>(components)) {
-        attribute.values.push_back(values_[i] == kNone ? 1.0f : values_[i] / divisor);
-      }
-    }
-    return attribute;
+  // Adds the attributes of which there are values.
+  void Finish(MeshBuilder& builder) && {
+    if (!colors_.empty()) builder.AddAttribute(FinishColors(builder.vertices()));
+    if (texture_.empty()) return;
+    texture_.resize(static_cast<std::size_t>(2 * builder.vertices()), 0.0f);
+    builder.AddAttribute({.name = "uv",
+                          .kind = AttributeKind::kTextureCoordinates,
+                          .components = 2,
+                          .values = std::move(texture_)});
   }
 
  private:
   static constexpr float kNone = -1.0f;
 
-  std::vector<float> values_;  // Four a vertex.
+  void AddColor(std::int64_t i, std::span<const double> color) {
+    has_alpha_ = has_alpha_ || color.size() == 4;
+    colors_.resize(static_cast<std::size_t>(4 * i), kNone);
+    for (std::size_t k = 0; k < 4; ++k) {
+      colors_.push_back(k < color.size() ? static_cast<float>(color[k]) : kNone);
+      largest_ = std::max(largest_, colors_.back());
+    }
+  }
+
+  Attribute FinishColors(std::int64_t vertices) {
+    colors_.resize(static_cast<std::size_t>(4 * vertices), kNone);
+    const int components = has_alpha_ ? 4 : 3;
+    Attribute attribute{.name = "color", .kind = AttributeKind::kColor, .components = components};
+    attribute.values.reserve(static_cast<std::size_t>(components * vertices));
+    // Nothing says which it is; fractions end at 1.
+    const float divisor = largest_ > 1.0f ? 255.0f : 1.0f;
+    for (std::size_t i = 0; i < colors_.size(); ++i) {
+      if (i % 4 < static_cast<std::size_t>(components)) {
+        attribute.values.push_back(colors_[i] == kNone ? 1.0f : colors_[i] / divisor);
+      }
+    }
+    return attribute;
+  }
+
+  Keyword keyword_;
+  std::vector<float> colors_;   // Four a vertex, up to the last that has one.
+  std::vector<float> texture_;  // Two a vertex, up to the last that has them.
   bool has_alpha_ = false;
   float largest_ = 0.0f;
 };
@@ -127,7 +155,7 @@ absl::StatusOr<MeshFile> ReadOff(std::string_view text, const MeshLimits& limits
   CCST_RETURN_IF_ERROR(builder.Announce(
       vertices, faces, static_cast<std::int64_t>(cursor.remaining()), kVertexBytes, kFaceBytes));
   const auto where = [&cursor] { return cursor.Where(); };
-  VertexColors colors;
+  VertexValues values(keyword);
 
   for (std::int64_t i = 0; i < vertices; ++i) {
     Eigen::Vector3d position;
@@ -142,7 +170,7 @@ absl::StatusOr<MeshFile> ReadOff(std::string_view text, const MeshLimits& limits
       position[axis] = *value;
     }
     CCST_RETURN_IF_ERROR(builder.AddVertex(position, where));
-    if (keyword.has_color && !keyword.has_texture) colors.Read(i, keyword.has_normal, cursor);
+    values.Read(i, cursor);
     cursor.SkipLine();
   }
 
@@ -170,7 +198,7 @@ absl::StatusOr<MeshFile> ReadOff(std::string_view text, const MeshLimits& limits
     CCST_RETURN_IF_ERROR(builder.AddFace(corners, where));
     cursor.SkipLine();
   }
-  if (auto color = std::move(colors).Finish(vertices)) builder.AddAttribute(*std::move(color));
+  std::move(values).Finish(builder);
   return std::move(builder).Finish();
 }
 

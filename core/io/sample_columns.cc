@@ -4,10 +4,10 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/io/numbers.h"
 
 namespace ccst::io {
 namespace {
@@ -39,10 +39,11 @@ std::string ColumnName(const Attribute& attribute, std::size_t component) {
 
 }  // namespace
 
-std::vector<SampleColumn> LayOutColumns(const std::vector<Attribute>& attributes) {
-  std::set<std::string> taken = {"x", "y", "z", "nx", "ny", "nz", "face", "bary_u", "bary_v"};
+std::vector<SampleColumn> LayOutColumns(const std::vector<Attribute>& attributes,
+                                        std::set<std::string> taken) {
   std::vector<SampleColumn> columns;
   for (const Attribute& attribute : attributes) {
+    if (attribute.per_corner) continue;
     for (std::size_t k = 0; k < static_cast<std::size_t>(attribute.components); ++k) {
       const std::string name = ColumnName(attribute, k);
       std::string unique = name;
@@ -53,6 +54,28 @@ std::vector<SampleColumn> LayOutColumns(const std::vector<Attribute>& attributes
     }
   }
   return columns;
+}
+
+void AppendPlyProperties(std::string& out, const std::vector<SampleColumn>& columns) {
+  for (const SampleColumn& column : columns) {
+    absl::StrAppend(&out, "property ", column.is_color() ? "uchar " : "float ", column.name, "\n");
+  }
+}
+
+std::size_t PlyBytes(const std::vector<SampleColumn>& columns) {
+  std::size_t bytes = 0;
+  for (const SampleColumn& column : columns) bytes += column.is_color() ? 1 : sizeof(float);
+  return bytes;
+}
+
+void AppendPlyValues(std::string& out, const std::vector<SampleColumn>& columns, std::size_t i) {
+  for (const SampleColumn& column : columns) {
+    if (column.is_color()) {
+      AppendLittleEndian(out, ToByte(column.Value(i)));
+    } else {
+      AppendLittleEndian(out, column.Value(i));
+    }
+  }
 }
 
 std::uint8_t ToByte(float fraction) {

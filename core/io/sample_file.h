@@ -10,15 +10,17 @@
 
 namespace ccst {
 
-/// Formats of sample files. Records are in the order of the samples. PLY and CSV also hold the
-/// attributes: colours as red green blue [alpha] (PLY: uchar; CSV: fractions), texture coordinates
-/// as s t, scalars by name (PLY: float); see LayOutColumns() for names that are not plain or taken.
+/// Formats of sample files. Records are in the order of the samples. Attributes: PLY and CSV hold
+/// colours as red green blue [alpha] (PLY: uchar; CSV: fractions), texture coordinates as s t,
+/// scalars by name (PLY: float); see LayOutColumns() for names that are not plain or taken. OBJ
+/// holds the first colours and texture coordinates, see EncodeObj(), Draco all, see
+/// EncodeDracoCloud().
 enum class SampleFormat {
   kPly,    ///< Binary little endian: double x y z, float nx ny nz, int face, double bary_u bary_v.
   kCsv,    ///< The same columns with a header line; text round-trips doubles and floats.
   kXyz,    ///< `x y z` a line; text round-trips the doubles.
-  kObj,    ///< `v x y z` a line; text round-trips the doubles.
-  kDraco,  ///< A point cloud of 32-bit floats, in order.
+  kObj,    ///< `v x y z [r g b]` a line, then `vt s t`; text round-trips the doubles.
+  kDraco,  ///< A point cloud of 32-bit floats, positions and normals, in order.
 };
 
 /// Format by the path's extension, in any case; empty when it is none of .ply .csv .xyz .obj

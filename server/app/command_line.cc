@@ -95,6 +95,9 @@ class Flags {
 
   void AddServing(ServerOptions& options) {
     Add("listen", options.listen, "HOST:PORT to listen on; port 0 picks a free one");
+    Add("data-dir", options.data_dir,
+        "Directory for jobs, meshes and results; by default one of the user's")
+        ->default_str("$XDG_STATE_HOME/ccst/server");
     Add("metrics-listen", options.metrics_listen,
         "HOST:PORT that serves /metrics to Prometheus; off by default");
     Add("threads", options.threads_per_job, "Threads a job computes on");
@@ -122,8 +125,16 @@ class Flags {
 
   void AddLimits(ServerOptions& options) {
     Add("max-queued-jobs", options.runner.max_queued_jobs, "Jobs that may wait");
-    Add("max-queued-mesh-bytes", options.runner.max_queued_bytes,
-        "Bytes of encoded meshes that may wait");
+    Add("max-queued-jobs-per-caller", options.runner.max_queued_jobs_per_caller,
+        "Jobs of one caller that may wait");
+    Add("max-job-memory-bytes", options.max_job_memory_bytes,
+        "Memory that running jobs may need, by estimate; 0 is half of the machine's");
+    Add("max-watchers-per-job", options.max_watchers_per_job, "WatchJob streams of one job");
+    Add("job-retention", options.job_retention_seconds, "Seconds that an ended job is kept");
+    Add("max-mesh-bytes", options.mesh_limits.max_bytes, "Bytes of an encoded mesh");
+    Add("max-stored-mesh-bytes", options.max_stored_mesh_bytes,
+        "Bytes of encoded meshes that one caller may have stored");
+    Add("mesh-retention", options.mesh_retention_seconds, "Seconds that an unused mesh is kept");
     Add("max-inline-mesh-bytes", options.request_limits.max_inline_mesh_bytes,
         "Bytes of an encoded mesh in a request");
     Add("max-texture-bytes", options.request_limits.max_texture_bytes,

@@ -40,12 +40,6 @@ constexpr absl::Duration kStopGrace = absl::Seconds(2);
 constexpr std::chrono::milliseconds kShutdownGrace(100);
 constexpr char kReflectionPlugin[] = "proto_server_reflection";
 
-RunDependencies WithLimits(RunDependencies run, const ServerOptions& options) {
-  run.mesh_limits = options.mesh_limits;
-  run.mesh_limits.max_bytes = options.request_limits.max_inline_mesh_bytes;
-  return run;
-}
-
 std::string WithPort(const std::string& listen, int port) {
   return listen.substr(0, listen.rfind(':') + 1) + std::to_string(port);
 }
@@ -102,17 +96,41 @@ Server::Server(const ServerOptions& options, Dependencies dependencies)
     : options_(options),
       clock_(dependencies.run.clock),
       log_(options.log_format, clock_.now, std::move(dependencies.write_log)),
-      runner_(options.runner, WithLimits(std::move(dependencies.run), options),
-              std::move(dependencies.new_id)),
-      sampling_service_(runner_, support(), options.request_limits, options.threads_per_job),
-      server_info_service_(runner_, support(),
-                           ToProto(options.request_limits, options.mesh_limits, options.runner)) {}
+      backend_dependencies_{.run = std::move(dependencies.run),
+                            .new_id = std::move(dependencies.new_id),
+                            .observer = &metrics_,
+                            .report = [this](const std::string& text) { log_.Message(text); }} {}
 
 Server::~Server() {
   metrics_.SetLoadReader({});
-  runner_.StartDraining();
-  runner_.StopAll();
+  if (backend_ != nullptr) {
+    backend_->StopSweeping();
+    backend_->jobs().StartDraining();
+    backend_->jobs().StopAll();
+  }
   if (server_ != nullptr) server_->Shutdown(std::chrono::system_clock::now() + kShutdownGrace);
+}
+
+absl::Status Server::OpenBackend() {
+  CCST_ASSIGN_OR_RETURN(backend_, Backend::Open(options_, std::move(backend_dependencies_)));
+  JobManager& jobs = backend_->jobs();
+  sampling_service_ = std::make_unique<SamplingService>(
+      StreamSupport{.calls = calls_, .executor = backend_->disk(), .open = streams_},
+      JobSupport{.jobs = jobs,
+                 .meshes = backend_->meshes(),
+                 .blobs = backend_->store().blobs(),
+                 .pins = backend_->pins(),
+                 .heavy = backend_->heavy(),
+                 .limits = options_.request_limits});
+  const MeshServiceOptions meshes = {.max_inline_mesh_bytes =
+                                         options_.request_limits.max_inline_mesh_bytes};
+  mesh_service_ = std::make_unique<MeshService>(backend_->meshes(), backend_->disk(),
+                                                backend_->heavy(), calls_, meshes);
+  server_info_service_ = std::make_unique<ServerInfoService>(
+      jobs, calls_,
+      LimitsToProto(options_.request_limits, options_.MeshOptions(), meshes, jobs.options()));
+  backend_->StartSweeping([this] { streams_.PulseAll(); });
+  return absl::OkStatus();
 }
 
 absl::Status Server::Listen() {
@@ -121,14 +139,16 @@ absl::Status Server::Listen() {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   CCST_ASSIGN_OR_RETURN(credentials_, Credentials());
+  CCST_RETURN_IF_ERROR(OpenBackend());
   grpc::ServerBuilder builder;
   if (!IsLoopback(options_.listen) && !options_.security.reflection) {
     builder.SetOption(std::make_unique<WithoutReflection>());
   }
   int port = 0;
   builder.AddListeningPort(options_.listen, credentials_, &port);
-  builder.RegisterService(&sampling_service_);
-  builder.RegisterService(&server_info_service_);
+  builder.RegisterService(sampling_service_.get());
+  builder.RegisterService(mesh_service_.get());
+  builder.RegisterService(server_info_service_.get());
   SetLimits(options_, builder);
   server_ = builder.BuildAndStart();
   if (server_ == nullptr || port == 0) {
@@ -155,8 +175,13 @@ absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> Server::Credentials() {
 absl::Status Server::ServeMetrics() {
   if (options_.metrics_listen.empty()) return absl::OkStatus();
   metrics_.SetLoadReader([this] {
-    const RunnerLoad load = runner_.Load();
-    return LoadSample{.queued_jobs = load.queued, .running_jobs = load.running};
+    const JobManager& jobs = backend_->jobs();
+    const RunnerLoad load = jobs.Load();
+    return LoadSample{.queued_jobs = load.queued,
+                      .running_jobs = load.running,
+                      .watchers = jobs.watcher_count(),
+                      .memory_bytes = jobs.memory().used_bytes(),
+                      .memory_limit_bytes = jobs.memory().limit_bytes()};
   });
   CCST_ASSIGN_OR_RETURN(metrics_address_, metrics_.Serve(options_.metrics_listen));
   log_.Message("metrics on " + metrics_address_);
@@ -166,7 +191,8 @@ absl::Status Server::ServeMetrics() {
 void Server::SetServing(bool serving) {
   grpc::HealthCheckServiceInterface* health = server_->GetHealthCheckService();
   for (const char* name :
-       {v1::SamplingService::service_full_name(), v1::ServerInfoService::service_full_name()}) {
+       {v1::SamplingService::service_full_name(), v1::MeshService::service_full_name(),
+        v1::ServerInfoService::service_full_name()}) {
     health->SetServingStatus(name, serving);
   }
   health->SetServingStatus("", serving);
@@ -175,12 +201,13 @@ void Server::SetServing(bool serving) {
 void Server::Drain() {
   log_.Message("draining");
   // In this order: who reads NOT_SERVING finds new jobs refused.
-  runner_.StartDraining();
+  JobManager& jobs = backend_->jobs();
+  jobs.StartDraining();
   SetServing(false);
-  if (!runner_.WaitUntilIdle(absl::Seconds(options_.drain_timeout_seconds))) {
+  if (!jobs.WaitUntilIdle(absl::Seconds(options_.drain_timeout_seconds))) {
     log_.Message("drain timeout passed, stopping jobs");
-    runner_.StopAll();
-    runner_.WaitUntilIdle(kStopGrace);
+    jobs.StopAll();
+    jobs.WaitUntilIdle(kStopGrace);
   }
   server_->Shutdown(std::chrono::system_clock::now() + kShutdownGrace);
   log_.Message("drained");

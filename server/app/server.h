@@ -8,12 +8,14 @@
 #include <grpcpp/server.h>
 
 #include "absl/status/statusor.h"
+#include "server/app/backend.h"
 #include "server/app/server_options.h"
 #include "server/auth/authenticator.h"
 #include "server/jobs/job_runner.h"
 #include "server/log/server_log.h"
 #include "server/metrics/metrics.h"
 #include "server/rpc/call.h"
+#include "server/rpc/mesh_service.h"
 #include "server/rpc/sampling_service.h"
 #include "server/rpc/server_info_service.h"
 
@@ -56,16 +58,20 @@ class Server {
   absl::Status ServeMetrics();
   absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> Credentials();
   void SetServing(bool serving);
-  CallSupport support() { return {authenticator_, log_, metrics_, clock_}; }
+  absl::Status OpenBackend();
 
   const ServerOptions options_;
   const Clock clock_;
   ServerLog log_;
   Metrics metrics_;
   Authenticator authenticator_;
-  JobRunner runner_;
-  SamplingService sampling_service_;
-  ServerInfoService server_info_service_;
+  OpenStreams streams_;
+  CallSupport calls_ = {authenticator_, log_, metrics_, clock_};
+  Backend::Dependencies backend_dependencies_;  // Until Listen().
+  std::unique_ptr<Backend> backend_;
+  std::unique_ptr<SamplingService> sampling_service_;
+  std::unique_ptr<MeshService> mesh_service_;
+  std::unique_ptr<ServerInfoService> server_info_service_;
   std::string address_;
   std::string metrics_address_;
   std::shared_ptr<grpc::ServerCredentials> credentials_;

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <thread>
+#include <utility>
+
+#include <unistd.h>
 
 #include "core/base/status.h"
 
@@ -16,7 +20,22 @@ constexpr std::int64_t kLargestTexture = std::int64_t{256} << 20;
 constexpr std::int64_t kLargestInlineMesh =
     std::numeric_limits<std::int32_t>::max() - kLargestTexture - (2 << 20);
 constexpr std::int64_t kLargestCount = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kLargestMesh = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kLargestBytes = std::numeric_limits<std::int64_t>::max();
 constexpr double kLongestSeconds = 1e9;
+
+// Memory of the machine, or of the control group where that has a limit.
+std::int64_t MachineMemory() {
+  const std::int64_t machine = std::int64_t{sysconf(_SC_PHYS_PAGES)} * sysconf(_SC_PAGESIZE);
+  std::int64_t limit = machine;
+  for (const char* file :
+       {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
+    std::ifstream in(file);
+    std::int64_t bytes = 0;
+    if (in >> bytes && bytes > 0) limit = std::min(limit, bytes);
+  }
+  return limit;
+}
 
 absl::Status Check(bool right, const std::string& flag, const std::string& range) {
   if (right) return absl::OkStatus();
@@ -42,9 +61,19 @@ absl::Status ServerOptions::Validate() const {
   CCST_RETURN_IF_ERROR(CheckRange(threads_per_job, 1, 1024, "--threads"));
   CCST_RETURN_IF_ERROR(CheckRange(runner.max_running_jobs, 1, 1024, "--max-running-jobs"));
   CCST_RETURN_IF_ERROR(CheckRange(runner.max_queued_jobs, 0, 100'000, "--max-queued-jobs"));
-  CCST_RETURN_IF_ERROR(CheckRange(runner.max_queued_bytes, 0,
-                                  std::numeric_limits<std::int64_t>::max(),
-                                  "--max-queued-mesh-bytes"));
+  CCST_RETURN_IF_ERROR(
+      CheckRange(runner.max_queued_jobs_per_caller, 0, 100'000, "--max-queued-jobs-per-caller"));
+  CCST_RETURN_IF_ERROR(CheckRange(max_watchers_per_job, 1, 100'000, "--max-watchers-per-job"));
+  CCST_RETURN_IF_ERROR(
+      CheckRange(max_job_memory_bytes, 0, kLargestBytes, "--max-job-memory-bytes"));
+  CCST_RETURN_IF_ERROR(CheckRange(mesh_limits.max_bytes, 1, kLargestMesh, "--max-mesh-bytes"));
+  CCST_RETURN_IF_ERROR(
+      CheckRange(max_stored_mesh_bytes, 1, kLargestBytes, "--max-stored-mesh-bytes"));
+  for (const auto& [seconds, flag] : {std::pair(mesh_retention_seconds, "--mesh-retention"),
+                                      std::pair(job_retention_seconds, "--job-retention")}) {
+    CCST_RETURN_IF_ERROR(Check(seconds > 0.0 && seconds <= kLongestSeconds, flag,
+                               "above 0 and at most 1e9 seconds"));
+  }
   CCST_RETURN_IF_ERROR(CheckRange(request_limits.max_inline_mesh_bytes, 1, kLargestInlineMesh,
                                   "--max-inline-mesh-bytes"));
   CCST_RETURN_IF_ERROR(
@@ -61,6 +90,21 @@ absl::Status ServerOptions::Validate() const {
       "--max-job-duration", "above 0 and at most 1e9 seconds"));
   return Check(drain_timeout_seconds >= 0.0 && drain_timeout_seconds <= kLongestSeconds,
                "--drain-timeout", "in [0, 1e9] seconds");
+}
+
+MeshStoreOptions ServerOptions::MeshOptions() const {
+  return {.max_mesh_bytes = mesh_limits.max_bytes,
+          .max_stored_bytes = max_stored_mesh_bytes,
+          .retention = absl::Seconds(mesh_retention_seconds),
+          .decode_limits = mesh_limits};
+}
+
+JobManagerOptions ServerOptions::JobOptions() const {
+  return {
+      .runner = runner,
+      .max_watchers_per_job = max_watchers_per_job,
+      .retention = absl::Seconds(job_retention_seconds),
+      .memory_budget_bytes = max_job_memory_bytes > 0 ? max_job_memory_bytes : MachineMemory() / 2};
 }
 
 int DefaultMaxRunningJobs(int threads_per_job) {

@@ -7,6 +7,8 @@
 #include <random>
 
 #include "absl/time/clock.h"
+#include "core/base/status.h"
+#include "core/io/draco_header.h"
 #include "core/io/draco_mesh.h"
 #include "core/io/image_file.h"
 #include "core/io/samples_digest.h"
@@ -35,13 +37,23 @@ std::string NewUuid() {
   return text.data();
 }
 
+absl::StatusOr<MeshCounts> CountDraco(std::span<const char> start, std::int64_t size,
+                                      const MeshLimits& limits) {
+  io::DracoHeader header;
+  CCST_ASSIGN_OR_RETURN(header, io::ReadDracoHeader(start));
+  CCST_RETURN_IF_ERROR(io::CheckDracoCounts(header, static_cast<std::size_t>(size), limits));
+  return MeshCounts{.vertices = header.points, .faces = header.faces};
+}
+
 RunDependencies RealRunDependencies(const Clock& clock, const MeshLimits& mesh_limits) {
-  return {.decode = DecodeDraco,
+  return {.count = CountDraco,
+          .decode = DecodeDraco,
           .decode_image = [](std::span<const char> bytes) { return DecodeImage(bytes); },
           .sample = SampleSurface,
           .digest = SamplesDigest,
           .clock = clock,
-          .mesh_limits = mesh_limits};
+          .mesh_limits = mesh_limits,
+          .threads_per_job = 1};
 }
 
 }  // namespace ccst::server

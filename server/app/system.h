@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 
 #include "core/io/mesh_limits.h"
@@ -13,6 +15,11 @@ Clock SystemClock();
 
 /// A random (version 4) UUID.
 std::string NewUuid();
+
+/// What a Draco mesh announces; refuses what is over the limits.
+/// @errors as DecodeDraco()
+absl::StatusOr<MeshCounts> CountDraco(std::span<const char> start, std::int64_t size,
+                                      const MeshLimits& limits);
 
 /// Decodes Draco, samples with the core.
 RunDependencies RealRunDependencies(const Clock& clock, const MeshLimits& mesh_limits);

@@ -9,24 +9,33 @@
 
 namespace ccst::server {
 
-v1::ServerLimits ToProto(const RequestLimits& request, const MeshLimits& mesh,
-                         const RunnerOptions& runner) {
+v1::ServerLimits LimitsToProto(const RequestLimits& request, const MeshStoreOptions& meshes,
+                               const MeshServiceOptions& transfers, const JobManagerOptions& jobs) {
   v1::ServerLimits limits;
+  limits.set_max_mesh_bytes(meshes.max_mesh_bytes);
   limits.set_max_inline_mesh_bytes(request.max_inline_mesh_bytes);
-  limits.set_max_vertex_count(mesh.max_vertices);
-  limits.set_max_face_count(mesh.max_faces);
+  limits.set_max_chunk_bytes(transfers.max_chunk_bytes);
+  limits.set_max_stored_mesh_bytes(meshes.max_stored_bytes);
+  limits.set_max_vertex_count(meshes.decode_limits.max_vertices);
+  limits.set_max_face_count(meshes.decode_limits.max_faces);
   limits.set_max_sample_count(request.max_sample_count);
   limits.set_max_iterations(request.max_iterations);
   limits.set_max_texture_bytes(request.max_texture_bytes);
-  limits.set_max_queued_jobs(runner.max_queued_jobs);
-  limits.set_max_running_jobs(runner.max_running_jobs);
+  limits.set_max_queued_jobs(jobs.runner.max_queued_jobs);
+  limits.set_max_queued_jobs_per_caller(jobs.runner.max_queued_jobs_per_caller);
+  limits.set_max_running_jobs(jobs.runner.max_running_jobs);
+  limits.set_max_watchers_per_job(jobs.max_watchers_per_job);
+  limits.set_max_job_memory_bytes(jobs.memory_budget_bytes);
   *limits.mutable_max_job_duration() = DurationToProto(request.max_job_seconds);
+  *limits.mutable_job_retention_duration() = DurationToProto(absl::ToDoubleSeconds(jobs.retention));
+  *limits.mutable_mesh_retention_duration() =
+      DurationToProto(absl::ToDoubleSeconds(meshes.retention));
   return limits;
 }
 
-ServerInfoService::ServerInfoService(const JobRunner& runner, const CallSupport& support,
+ServerInfoService::ServerInfoService(const JobManager& jobs, const CallSupport& support,
                                      v1::ServerLimits limits)
-    : runner_(runner), support_(support), limits_(std::move(limits)) {}
+    : jobs_(jobs), support_(support), limits_(std::move(limits)) {}
 
 grpc::ServerUnaryReactor* ServerInfoService::GetServerInfo(grpc::CallbackServerContext* context,
                                                            const v1::GetServerInfoRequest* request,
@@ -44,7 +53,7 @@ void ServerInfoService::Fill(v1::GetServerInfoResponse& response) const {
   response.set_algorithm_revision(kAlgorithmRevision);
   response.add_mesh_formats(v1::MESH_FORMAT_DRACO);
   *response.mutable_limits() = limits_;
-  const RunnerLoad load = runner_.Load();
+  const RunnerLoad load = jobs_.Load();
   response.mutable_load()->set_queued_job_count(load.queued);
   response.mutable_load()->set_running_job_count(load.running);
 }

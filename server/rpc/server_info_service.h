@@ -5,19 +5,20 @@
 #include "ccst/v1/server_info_service.grpc.pb.h"
 #include "core/io/mesh_limits.h"
 #include "proto/convert/options.h"
-#include "server/jobs/job_runner.h"
+#include "server/jobs/job_manager.h"
 #include "server/rpc/call.h"
+#include "server/rpc/mesh_support.h"
 
 namespace ccst::server {
 
 /// The limits as advertised.
-v1::ServerLimits ToProto(const RequestLimits& request, const MeshLimits& mesh,
-                         const RunnerOptions& runner);
+v1::ServerLimits LimitsToProto(const RequestLimits& request, const MeshStoreOptions& meshes,
+                               const MeshServiceOptions& transfers, const JobManagerOptions& jobs);
 
 /// ccst.v1.ServerInfoService.
 class ServerInfoService final : public v1::ServerInfoService::CallbackService {
  public:
-  ServerInfoService(const JobRunner& runner, const CallSupport& support, v1::ServerLimits limits);
+  ServerInfoService(const JobManager& jobs, const CallSupport& support, v1::ServerLimits limits);
 
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1::GetServerInfoRequest* request,
@@ -26,7 +27,7 @@ class ServerInfoService final : public v1::ServerInfoService::CallbackService {
  private:
   void Fill(v1::GetServerInfoResponse& response) const;
 
-  const JobRunner& runner_;
+  const JobManager& jobs_;
   const CallSupport support_;
   const v1::ServerLimits limits_;
 };

@@ -94,7 +94,14 @@ TEST_F(MeshInputTest, RecognisesFormatsByTheirBytes) {
   EXPECT_EQ(RecogniseFormat(*EncodeMesh(mesh, MeshOutputFormat::kStl)), MeshFormat::kStl);
   EXPECT_EQ(RecogniseFormat(*EncodeMesh(mesh, MeshOutputFormat::kOff)), MeshFormat::kOff);
   EXPECT_EQ(RecogniseFormat(*EncodeMesh(mesh, MeshOutputFormat::kDraco)), MeshFormat::kDraco);
+  EXPECT_EQ(RecogniseFormat(*EncodeMesh(mesh, MeshOutputFormat::kGlb)), MeshFormat::kGltf);
+  EXPECT_EQ(RecogniseFormat("\n {\"asset\":{}}"), MeshFormat::kGltf);
   EXPECT_EQ(RecogniseFormat("solid cube\n"), MeshFormat::kStl);
+  for (const char* off : {"OFF 3 1 0\n", "COFF\n", "NOFF\n", "CNOFF\n", "STOFF\n", "STCNOFF\n",
+                          "# by hand\n\n  # twice\r\nOFF\n"}) {
+    EXPECT_EQ(RecogniseFormat(off), MeshFormat::kOff) << off;
+  }
+  EXPECT_EQ(RecogniseFormat("# OFF\nv 0 0 0\n"), MeshFormat::kObj);
   EXPECT_EQ(RecogniseFormat(""), MeshFormat::kObj);
 }
 

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
 #include "core/io/draco_mesh.h"
 #include "core/io/mesh_file.h"
 #include "tests/support/shapes.h"
@@ -34,6 +36,24 @@ class Corpus {
   fs::path folder_;
 };
 
+ccst::TriangleMesh WithAttributes(ccst::TriangleMesh mesh) {
+  using ccst::AttributeKind;
+  const auto values = [&mesh](std::size_t count) {
+    std::vector<float> result(count * mesh.positions.size());
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = 0.125f * static_cast<float>(i % 9);
+    return result;
+  };
+  mesh.attributes = {
+      {.name = "color", .kind = AttributeKind::kColor, .components = 4, .values = values(4)},
+      {.name = "uv",
+       .kind = AttributeKind::kTextureCoordinates,
+       .components = 2,
+       .values = values(2)},
+      {.name = "heat", .values = values(1)},
+      {.name = "flow", .components = 3, .values = values(3)}};
+  return mesh;
+}
+
 std::map<std::string, ccst::TriangleMesh> Meshes() {
   return {{"cube", shapes::Cube()},
           {"triangle", shapes::SingleTriangle()},
@@ -43,13 +63,15 @@ std::map<std::string, ccst::TriangleMesh> Meshes() {
           {"fins", shapes::ThreeFins()},
           {"touching", shapes::TetrahedraSharingVertex()},
           {"moebius", shapes::MoebiusStrip(12, 2)},
+          {"attributes", WithAttributes(shapes::Cube())},
           {"flipped", shapes::WithFlippedFace(shapes::Icosphere(1), 7)}};
 }
 
 void AddFiles(const std::string& name, const ccst::TriangleMesh& mesh, Corpus* corpus) {
   using ccst::MeshOutputFormat;
   const std::vector<MeshOutputFormat> formats = {MeshOutputFormat::kObj, MeshOutputFormat::kPly,
-                                                 MeshOutputFormat::kStl, MeshOutputFormat::kOff};
+                                                 MeshOutputFormat::kStl, MeshOutputFormat::kOff,
+                                                 MeshOutputFormat::kGlb};
   for (std::size_t i = 0; i < formats.size(); ++i) {
     const auto bytes = ccst::EncodeMesh(mesh, formats[i]);
     if (!bytes.ok()) continue;
@@ -82,6 +104,30 @@ void AddTexts(Corpus* corpus) {
       "endloop\nendfacet\nendsolid s\n");
   add("off-polygon", 3,
       "COFF # c\n5 1 0\n0 0 0 1 1 1 1\n1 0 0\n1 1 0\n0 1 0\n-1 .5 0\n5 0 1 2 3 4 7\n");
+  add("off-all", 3,
+      "STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 9 .5 1\n1 0 0 0 0 1 0 1 0 0 .25\n0 1 0 0\n3 0 1 2\n");
+  add("gltf", 4,
+      R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0,1]}],)"
+      R"("nodes":[{"mesh":0,"children":[2]},{"mesh":0,"scale":[-1,2,1]},{"rotation":[0,0,1,0]}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"_A":1,"_B":1,"COLOR_0":0}},)"
+      R"({"mode":0,"attributes":{"POSITION":0}},{"attributes":{"POSITION":0,"TEXCOORD_0":2}}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},)"
+      R"({"bufferView":0,"componentType":5121,"count":3,"type":"VEC4","normalized":true},)"
+      R"({"bufferView":0,"byteOffset":4,"componentType":5122,"count":3,"type":"VEC2"}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,)"
+      R"("uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+}
+
+/// A glTF file whose primitive is compressed with Draco.
+std::string CompressedGltf(const ccst::TriangleMesh& mesh) {
+  const auto stream = ccst::EncodeDraco(mesh);
+  if (!stream.ok()) throw std::runtime_error("cannot encode");
+  return absl::StrCat(
+      R"({"asset":{},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)",
+      R"({"attributes":{"POSITION":0},"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,)",
+      R"("attributes":{"POSITION":0,"COLOR_0":1,"TEXCOORD_0":2,"_HEAT":3,"_FLOW":4}}}}]}],)",
+      R"("bufferViews":[{"buffer":0,"byteLength":)", stream->size(),
+      R"(}],"buffers":[{"uri":"data:;base64,)", absl::Base64Escape(*stream), R"("}]})");
 }
 
 void AddRepairs(const std::string& name, const ccst::TriangleMesh& mesh, Corpus* corpus) {
@@ -138,6 +184,8 @@ int main(int argc, char** argv) {
       AddRepairs(name, mesh, &corpus);
     }
     AddTexts(&corpus);
+    corpus.Add("fuzz_readers", "gltf-draco",
+               static_cast<char>(4) + CompressedGltf(WithAttributes(shapes::Tetrahedron())));
     AddOptions(&corpus);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());

@@ -237,6 +237,44 @@ TEST(DracoAttributes, OfOtherEncodersByNameAndByUniqueId) {
   EXPECT_TRUE(CheckAttributes(*decoded).ok());
 }
 
+// Draco's own reading of them is undefined for bytes other than 0 and 1.
+TEST(DracoAttributes, OfTruthValuesAreZeroOrOneWhateverTheirBytes) {
+  draco::Mesh mesh;
+  mesh.set_num_points(3);
+  const auto add = [&mesh](draco::GeometryAttribute::Type type, draco::DataType data_type,
+                           int components, const std::vector<std::uint8_t>& bytes) {
+    draco::GeometryAttribute attribute;
+    const int stride = components * draco::DataTypeLength(data_type);
+    attribute.Init(type, nullptr, static_cast<std::int8_t>(components), data_type, false, stride,
+                   0);
+    const int id = mesh.AddAttribute(attribute, true, 3);
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      mesh.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(i),
+                                            bytes.data() + i * static_cast<std::size_t>(stride));
+    }
+  };
+  const auto encoded = [&mesh] {
+    mesh.SetNumFaces(1);
+    mesh.SetFace(draco::FaceIndex(0),
+                 {draco::PointIndex(0), draco::PointIndex(1), draco::PointIndex(2)});
+    draco::ExpertEncoder encoder(mesh);
+    encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
+    draco::EncoderBuffer buffer;
+    EXPECT_TRUE(encoder.EncodeToBuffer(&buffer).ok());
+    return std::string(buffer.data(), buffer.size());
+  };
+  add(draco::GeometryAttribute::POSITION, draco::DT_UINT8, 3, {0, 0, 0, 1, 0, 0, 0, 1, 0});
+  add(draco::GeometryAttribute::GENERIC, draco::DT_BOOL, 1, {0, 3, 255});
+  const auto decoded = DecodeDraco(encoded());
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  EXPECT_THAT(decoded->attributes.at(0).values, ElementsAre(0, 1, 1));
+
+  mesh.DeleteAttribute(1);
+  mesh.DeleteAttribute(0);
+  add(draco::GeometryAttribute::POSITION, draco::DT_BOOL, 3, {0, 0, 0, 3, 0, 0, 0, 1, 0});
+  EXPECT_REFUSED(DecodeDraco(encoded()), ErrorReason::kDracoDecodeFailed, "position 0");
+}
+
 TEST(DracoAttributes, DamagedStreamsGiveAMeshOrARefusal) {
   const std::string bytes = EncodeDraco(WithAttributes(shapes::Icosphere(1))).value();
   std::mt19937 random(9);

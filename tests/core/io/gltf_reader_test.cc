@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
 #include "core/io/draco_mesh.h"
 #include "core/io/mesh_file.h"
 #include "core/io/numbers.h"
@@ -20,8 +21,10 @@ namespace {
 using Json = nlohmann::json;
 using ::testing::ElementsAre;
 
+constexpr int kByte = 5120;
 constexpr int kUbyte = 5121;
 constexpr int kUshort = 5123;
+constexpr int kUint = 5125;
 constexpr int kFloat = 5126;
 
 // A glTF file put together piece by piece: one scene, whose nodes are added last.
@@ -202,6 +205,138 @@ TEST(GltfReader, DracoPrimitives) {
     const Eigen::Vector3d& p = mesh.positions[mesh.faces[c / 3][static_cast<int>(c % 3)]];
     EXPECT_EQ(color.values[3 * c + 2], static_cast<float>(p.z()));
   }
+}
+
+TEST(GltfReader, AttributesOfAnApplication) {
+  Gltf gltf;
+  const int positions = gltf.Positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  const int heat = gltf.Accessor<float>({0.5F, -2, 1e9F}, kFloat, "SCALAR", 1);
+  const int share =
+      gltf.Accessor<std::uint16_t>({0, 65535, 13107}, kUshort, "SCALAR", 1, /*normalized=*/true);
+  const int flow = gltf.Accessor<std::int8_t>({127, -127, 0, -128, 1, 2, 3, 4, 5}, kByte, "VEC3", 3,
+                                              /*normalized=*/true);
+  const int label = gltf.Accessor<std::uint32_t>({7, 0, 70000}, kUint, "SCALAR", 1);
+  const int pair = gltf.Accessor<float>({1, 2, 3, 4, 5, 6}, kFloat, "VEC2", 2);
+  const int matrix = gltf.Accessor<float>(std::vector<float>(12), kFloat, "MAT2", 4);
+  gltf.Mesh(Json::array({{{"attributes",
+                           {{"POSITION", positions},
+                            {"NORMAL", positions},
+                            {"_HEAT", heat},
+                            {"_share", share},
+                            {"_FLOW", flow},
+                            {"_LABEL", label},
+                            {"_PAIR", pair},
+                            {"_MATRIX", matrix},
+                            {"COLOR_1", positions},
+                            {"TEXCOORD_1", pair}}}}}));
+  gltf.Node({{"mesh", 0}});
+  const auto file = Read(gltf.Glb());
+  ASSERT_TRUE(file.ok()) << file.status();
+  const auto expect = [&](const std::string& name, AttributeKind kind, int components,
+                          const std::vector<float>& values) {
+    const Attribute* const attribute = FindAttribute(file->mesh.attributes, name);
+    ASSERT_NE(attribute, nullptr) << name;
+    EXPECT_EQ(attribute->kind, kind) << name;
+    EXPECT_EQ(attribute->components, components) << name;
+    EXPECT_EQ(attribute->values, values) << name;
+  };
+  EXPECT_EQ(file->mesh.attributes.size(), 7u);
+  expect("HEAT", AttributeKind::kScalar, 1, {0.5F, -2, 1e9F});
+  expect("share", AttributeKind::kScalar, 1, {0, 1, 0.2F});
+  const float step = 1.0F / 127;
+  expect("FLOW", AttributeKind::kScalar, 3,
+         {1, -1, 0, -1, step, 2 / 127.0F, 3 / 127.0F, 4 / 127.0F, 5 / 127.0F});
+  expect("LABEL", AttributeKind::kScalar, 1, {7, 0, 70000});
+  expect("PAIR", AttributeKind::kScalar, 2, {1, 2, 3, 4, 5, 6});
+  expect("color", AttributeKind::kColor, 3, {0, 0, 0, 1, 0, 0, 0, 1, 0});
+  expect("uv", AttributeKind::kTextureCoordinates, 2, {1, -1, 3, -3, 5, -5});
+  EXPECT_TRUE(CheckAttributes(file->mesh).ok());
+}
+
+TEST(GltfReader, AttributesThatAPrimitiveLacksAreZero) {
+  Gltf gltf;
+  const int positions = gltf.Positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  const int heat = gltf.Accessor<float>({1, 2, 3}, kFloat, "SCALAR", 1);
+  gltf.Mesh(Json::array({{{"attributes", {{"POSITION", positions}}}},
+                         {{"attributes", {{"POSITION", positions}, {"_HEAT", heat}}}},
+                         {{"attributes", {{"POSITION", positions}}}}}));
+  gltf.Node({{"mesh", 0}});
+  const auto file = Read(gltf.Glb());
+  ASSERT_TRUE(file.ok()) << file.status();
+  ASSERT_EQ(file->mesh.attributes.size(), 1u);
+  EXPECT_THAT(file->mesh.attributes[0].values, ElementsAre(0, 0, 0, 1, 2, 3, 0, 0, 0));
+}
+
+TEST(GltfReader, AttributesOfTheWrongShapeAreRefused) {
+  const auto read = [](const std::string& key, const std::vector<float>& values,
+                       const std::string& shape, int components) {
+    Gltf gltf;
+    const int positions = gltf.Positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+    const int attribute = gltf.Accessor<float>(values, kFloat, shape, components);
+    const int heat = gltf.Accessor<float>({1, 2, 3}, kFloat, "SCALAR", 1);
+    gltf.Mesh(Json::array({{{"attributes", {{"POSITION", positions}, {"_HEAT", heat}}}},
+                           {{"attributes", {{"POSITION", positions}, {key, attribute}}}}}));
+    gltf.Node({{"mesh", 0}});
+    return Read(gltf.Glb());
+  };
+  EXPECT_REFUSED(read("COLOR_0", {1, 2, 3}, "SCALAR", 1), ErrorReason::kMeshUnreadable,
+                 "primitive 1", "'COLOR_0'", "rows of 1");
+  EXPECT_REFUSED(read("TEXCOORD_0", {1, 2, 3}, "SCALAR", 1), ErrorReason::kMeshUnreadable,
+                 "'TEXCOORD_0'", "rows of 1");
+  EXPECT_REFUSED(read("_HEAT", {1, 2, 3, 4, 5, 6}, "VEC2", 2), ErrorReason::kMeshUnreadable,
+                 "'_HEAT'", "rows of 2", "before it has 1");
+  EXPECT_REFUSED(read("_COLD", {1, 2}, "SCALAR", 1), ErrorReason::kMeshUnreadable, "'_COLD'",
+                 "2 rows for 3 vertices");
+}
+
+TEST(GltfReader, ManyKeysForTheSameNumbersAreBounded) {
+  Gltf gltf;
+  const std::size_t vertices = 30000;
+  const int positions = gltf.Positions(std::vector<float>(3 * vertices));
+  const int shared =
+      gltf.Accessor<std::uint8_t>(std::vector<std::uint8_t>(4 * vertices), kUbyte, "VEC4", 4);
+  Json attributes = {{"POSITION", positions}};
+  for (std::size_t i = 0; i < kMaxAttributes; ++i) attributes[absl::StrCat("_", i)] = shared;
+  Json primitive = {{"attributes", attributes}};
+  gltf.Mesh(Json::array({primitive}));
+  gltf.Node({{"mesh", 0}});
+  const MeshLimits limits = {.max_decoded_bytes = 16 << 20};
+  EXPECT_REFUSED(ReadMesh(gltf.Glb(), MeshFormat::kGltf, limits), ErrorReason::kLimitExceeded,
+                 "bytes, the most accepted");
+  const std::string bytes = gltf.Glb();
+  const auto growth =
+      testing::PeakGrowth([&] { (void)ReadMesh(bytes, MeshFormat::kGltf, limits); });
+  EXPECT_GE(growth, 0);
+  EXPECT_LT(growth, 64 << 20);
+  attributes["_one_more"] = shared;
+  primitive["attributes"] = attributes;
+  gltf.json()["meshes"][0]["primitives"][0] = primitive;
+  EXPECT_REFUSED(Read(gltf.Glb()), ErrorReason::kLimitExceeded, "more than 64");
+}
+
+TEST(GltfReader, DracoPrimitivesMayGiveOneAttributeManyNames) {
+  TriangleMesh mesh = shapes::Tetrahedron();
+  mesh.attributes = {{.name = "heat", .values = {1, 2, 3, 4}}};
+  const auto read = [&mesh](const Json& keys) {
+    Gltf gltf;
+    const int view = gltf.View(EncodeDraco(mesh).value());
+    Json extension = {{"bufferView", view}, {"attributes", keys}};
+    gltf.Mesh(Json::array({{{"attributes", {{"POSITION", 0}}},
+                            {"extensions", {{"KHR_draco_mesh_compression", extension}}}}}));
+    gltf.Node({{"mesh", 0}});
+    return Read(gltf.Glb());
+  };
+  const auto file = read({{"POSITION", 0}, {"_A", 1}, {"_B", 1}, {"_NONE", 9}});
+  ASSERT_TRUE(file.ok()) << file.status();
+  ASSERT_EQ(file->mesh.attributes.size(), 2u);
+  EXPECT_EQ(file->mesh.attributes[0].name, "A");
+  EXPECT_EQ(file->mesh.attributes[0].values, file->mesh.attributes[1].values);
+  for (std::size_t c = 0; c < 12; ++c) {
+    EXPECT_EQ(file->mesh.attributes[1].values[c],
+              1.0F + static_cast<float>(mesh.faces[c / 3][static_cast<int>(c % 3)]));
+  }
+  EXPECT_REFUSED(read({{"POSITION", 0}, {"TEXCOORD_0", 1}}), ErrorReason::kMeshUnreadable,
+                 "'TEXCOORD_0'", "rows of 1");
 }
 
 TEST(GltfReader, BuffersInDataUrisAndBesideTheFile) {

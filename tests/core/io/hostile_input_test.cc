@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/io/mesh_file.h"
+#include "core/mesh/attributes.h"
 #include "tests/core/io/io_test_util.h"
 #include "tests/support/shapes.h"
 
@@ -20,6 +21,16 @@ struct Sample {
 
 std::vector<Sample> SmallFiles() {
   const TriangleMesh mesh = shapes::Tetrahedron();
+  TriangleMesh rich = mesh;
+  rich.attributes = {{.name = "color",
+                      .kind = AttributeKind::kColor,
+                      .components = 3,
+                      .values = std::vector<float>(12, 0.5F)},
+                     {.name = "uv",
+                      .kind = AttributeKind::kTextureCoordinates,
+                      .components = 2,
+                      .values = std::vector<float>(8, 0.25F)},
+                     {.name = "heat", .values = {1, 2, 3, 4}}};
   return {
       {"obj", MeshFormat::kObj, EncodeMesh(mesh, MeshOutputFormat::kObj).value()},
       {"obj with everything", MeshFormat::kObj,
@@ -28,6 +39,12 @@ std::vector<Sample> SmallFiles() {
       {"off with colours", MeshFormat::kOff,
        "COFF # c\n4 2 0\n0 0 0 1 1 1\n1 0 0 1 1 1\n0 1 0 1 1 1\n1 1 1 0 0 0\n4 0 1 2 3 9\n3 0 1 "
        "2\n"},
+      {"off with everything", MeshFormat::kOff,
+       "STCNOFF\n3 1 0\n0 0 0 0 0 1 9 8 7 6 .5 1\n1 0 0 0 0 1 0 1 0 0 0\n0 1 0 0 0 1\n3 0 1 2\n"},
+      {"ply with attributes", MeshFormat::kPly, EncodeMesh(rich, MeshOutputFormat::kPly).value()},
+      {"glb with attributes", MeshFormat::kGltf, EncodeMesh(rich, MeshOutputFormat::kGlb).value()},
+      {"draco with attributes", MeshFormat::kDraco,
+       EncodeMesh(rich, MeshOutputFormat::kDraco).value()},
       {"binary ply", MeshFormat::kPly, EncodeMesh(mesh, MeshOutputFormat::kPly).value()},
       {"text ply", MeshFormat::kPly,
        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
@@ -56,6 +73,7 @@ std::string Flaw(const absl::StatusOr<MeshFile>& result) {
   for (const Eigen::Vector3d& position : result->mesh.positions) {
     if (!position.allFinite()) return "coordinate not finite";
   }
+  if (!CheckAttributes(result->mesh).ok()) return "attributes of the wrong size";
   const auto& source = result->face_source;
   if (!source.empty() && source.size() != result->mesh.faces.size()) return "wrong face_source";
   for (std::size_t i = 1; i < source.size(); ++i) {

@@ -228,5 +228,39 @@ TEST(OffAttributes, ColoursAsBytesOrFractions) {
   EXPECT_TRUE(plain->mesh.attributes.empty());
 }
 
+TEST(OffAttributes, TextureCoordinatesComeLast) {
+  const auto plain =
+      ReadOff("STOFF\n3 1 0\n0 0 0 0.5 0.25\n1 0 0\n0 1 0 -1 2 9\n3 0 1 2 0.5 0.5\n", {});
+  ASSERT_TRUE(plain.ok()) << plain.status();
+  ASSERT_EQ(plain->mesh.attributes.size(), 1u);
+  ExpectAttribute(plain->mesh, "uv", AttributeKind::kTextureCoordinates, 2, false,
+                  {0.5f, 0.25f, 0, 0, -1, 2});
+  const auto all = ReadOff(
+      "STCNOFF\n3 1 0\n0 0 0 9 9 9 255 0 51 102 0.5 1\n1 0 0 9 9 9 0 255 0 255 0 0.25\n"
+      "0 1 0 9 9 9 0 0 255 0 1 0\n3 0 1 2\n",
+      {});
+  ASSERT_TRUE(all.ok()) << all.status();
+  ASSERT_EQ(all->mesh.attributes.size(), 2u);
+  ExpectAttribute(all->mesh, "color", AttributeKind::kColor, 4, false,
+                  {1, 0, 0.2f, 0.4f, 0, 1, 0, 1, 0, 0, 1, 0});
+  ExpectAttribute(all->mesh, "uv", AttributeKind::kTextureCoordinates, 2, false,
+                  {0.5f, 1, 0, 0.25f, 1, 0});
+  // Without alpha the texture coordinates are not taken for it.
+  const auto three =
+      ReadOff("STCOFF\n3 1 0\n0 0 0 1 0 0 0.5 1\n1 0 0 0 1 0 0 0\n0 1 0 0 0 1 1 0\n3 0 1 2\n", {});
+  ASSERT_TRUE(three.ok()) << three.status();
+  ExpectAttribute(three->mesh, "color", AttributeKind::kColor, 3, false,
+                  {1, 0, 0, 0, 1, 0, 0, 0, 1});
+  ExpectAttribute(three->mesh, "uv", AttributeKind::kTextureCoordinates, 2, false,
+                  {0.5f, 1, 0, 0, 1, 0});
+}
+
+TEST(OffAttributes, NormalsAndColoursOfFacesArePassedOver) {
+  const auto file =
+      ReadOff("NOFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2 255 0 0\n", {});
+  ASSERT_TRUE(file.ok()) << file.status();
+  EXPECT_TRUE(file->mesh.attributes.empty());
+}
+
 }  // namespace
 }  // namespace ccst::io

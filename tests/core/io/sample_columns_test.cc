@@ -18,7 +18,8 @@ using ::testing::ElementsAre;
 
 std::vector<std::string> Names(const std::vector<Attribute>& attributes) {
   std::vector<std::string> names;
-  for (const io::SampleColumn& column : io::LayOutColumns(attributes)) names.push_back(column.name);
+  for (const io::SampleColumn& column : io::LayOutColumns(attributes, {"x", "y", "z"}))
+    names.push_back(column.name);
   return names;
 }
 

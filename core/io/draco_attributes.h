@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "core/mesh/triangle_mesh.h"
+#include "draco/point_cloud/point_cloud.h"
+
+namespace ccst::io {
+
+/// How Draco calls attributes of that kind.
+draco::GeometryAttribute::Type DracoTypeOf(AttributeKind kind);
+
+/// Adds an attribute with one value a point to `cloud`, which may be a mesh; the caller fills it.
+/// @param name  for the metadata; empty for none
+draco::PointAttribute* AddDracoAttribute(draco::PointCloud& cloud,
+                                         draco::GeometryAttribute::Type type,
+                                         draco::DataType data_type, int components,
+                                         const std::string& name);
+
+}  // namespace ccst::io

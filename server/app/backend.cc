@@ -1,0 +1,100 @@
+#include "server/app/backend.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <mutex>
+#include <utility>
+
+#include "core/base/status.h"
+#include "server/rpc/job_codec.h"
+#include "server/rpc/mesh_messages.h"
+
+namespace ccst::server {
+namespace {
+
+// Enough that one slow write does not hold up who only reads.
+constexpr int kDiskThreads = 4;
+constexpr int kHeavyThreads = 2;
+constexpr std::size_t kMaxWaitingCalls = 10'000;
+constexpr std::size_t kMaxWaitingHeavy = 64;
+constexpr std::chrono::seconds kTick(5);
+// Servers without a directory of their own on one machine.
+constexpr int kMaxDefaultDirectories = 64;
+
+// $XDG_STATE_HOME/ccst, by default in the home directory.
+std::string StateDirectory() {
+  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != '\0') {
+    return std::string(state) + "/ccst";
+  }
+  const char* home = std::getenv("HOME");
+  return std::string(home != nullptr ? home : "") + "/.local/state/ccst";
+}
+
+// The first directory of the user's that no other server has open, where none was asked for.
+absl::StatusOr<std::unique_ptr<Store>> OpenStore(
+    const std::string& directory, const std::function<void(const std::string&)>& report) {
+  if (!directory.empty()) return OpenEmbeddedStore(directory);
+  absl::Status last;
+  for (int i = 1; i <= kMaxDefaultDirectories; ++i) {
+    const std::string name = i == 1 ? "server" : "server-" + std::to_string(i);
+    auto store = OpenEmbeddedStore(StateDirectory() + "/" + name);
+    if (store.ok() && i > 1) {
+      report("another server has the default data directory; this one keeps its jobs in " + name +
+             " beside it; set --data-dir to say where");
+    }
+    if (store.ok() || !absl::IsFailedPrecondition(store.status())) return store;
+    last = store.status();
+  }
+  return last;
+}
+
+}  // namespace
+
+Backend::Backend()
+    : heavy_(kHeavyThreads, kMaxWaitingHeavy), disk_(kDiskThreads, kMaxWaitingCalls) {}
+
+absl::StatusOr<std::unique_ptr<Backend>> Backend::Open(const ServerOptions& options,
+                                                       Dependencies dependencies) {
+  std::unique_ptr<Backend> backend(new Backend);
+  backend->report_ = dependencies.report;
+  CCST_ASSIGN_OR_RETURN(backend->store_, OpenStore(options.data_dir, dependencies.report));
+  backend->pins_ = std::make_unique<BlobPins>(*backend->store_);
+  backend->meshes_ =
+      std::make_unique<MeshStore>(*backend->store_, *backend->pins_, options.MeshOptions(),
+                                  RealMeshDependencies(dependencies.run.clock));
+  RunDependencies run = std::move(dependencies.run);
+  run.mesh_limits = options.mesh_limits;
+  run.threads_per_job = options.threads_per_job;
+  CCST_ASSIGN_OR_RETURN(backend->jobs_,
+                        JobManager::Start(*backend->store_, *backend->pins_, options.JobOptions(),
+                                          {.run = std::move(run),
+                                           .codec = ProtoJobCodec(),
+                                           .new_id = std::move(dependencies.new_id),
+                                           .observer = dependencies.observer}));
+  return backend;
+}
+
+Backend::~Backend() { StopSweeping(); }
+
+void Backend::StartSweeping(std::function<void()> every_tick) {
+  sweeper_ = std::jthread([this, every_tick = std::move(every_tick)](std::stop_token stop) {
+    std::mutex mutex;
+    std::condition_variable_any wake;
+    std::unique_lock lock(mutex);
+    while (!wake.wait_for(lock, stop, kTick, [&] { return stop.stop_requested(); })) {
+      if (stop.stop_requested()) return;
+      every_tick();
+      for (const absl::Status& status : {jobs_->Sweep(), meshes_->DropExpired()}) {
+        if (!status.ok()) report_("sweeping failed: " + std::string(status.message()));
+      }
+    }
+  });
+}
+
+void Backend::StopSweeping() {
+  sweeper_.request_stop();
+  if (sweeper_.joinable()) sweeper_.join();
+}
+
+}  // namespace ccst::server

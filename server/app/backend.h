@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "absl/status/statusor.h"
+#include "server/app/server_options.h"
+#include "server/base/executor.h"
+#include "server/jobs/job_manager.h"
+#include "server/meshes/mesh_store.h"
+#include "server/store/store.h"
+
+namespace ccst::server {
+
+/// What the services work on: the store, meshes and jobs in it, and the threads for what blocks.
+class Backend {
+ public:
+  /// What tests replace.
+  struct Dependencies {
+    RunDependencies run;
+    std::function<std::string()> new_id;
+    JobObserver* observer = nullptr;                 ///< Not owned.
+    std::function<void(const std::string&)> report;  ///< What an operator should know.
+  };
+
+  /// Opens the store in `options.data_dir` and takes up the jobs in it.
+  /// @errors those of OpenEmbeddedStore() and JobManager::Start()
+  static absl::StatusOr<std::unique_ptr<Backend>> Open(const ServerOptions& options,
+                                                       Dependencies dependencies);
+  /// Stops everything; no call may be under way any more, except on the executors.
+  ~Backend();
+  Backend(const Backend&) = delete;
+  Backend& operator=(const Backend&) = delete;
+
+  JobManager& jobs() { return *jobs_; }
+  MeshStore& meshes() { return *meshes_; }
+  Store& store() { return *store_; }
+  BlobPins& pins() { return *pins_; }
+  Executor& disk() { return disk_; }
+  Executor& heavy() { return heavy_; }
+
+  /// Calls `every_tick` every few seconds from now on, and drops what has expired now and then.
+  void StartSweeping(std::function<void()> every_tick);
+  void StopSweeping();
+
+ private:
+  Backend();
+
+  std::function<void(const std::string&)> report_;
+  std::unique_ptr<Store> store_;
+  std::unique_ptr<BlobPins> pins_;
+  std::unique_ptr<MeshStore> meshes_;
+  std::unique_ptr<JobManager> jobs_;
+  // What they run uses all of the above.
+  Executor heavy_;
+  Executor disk_;
+  std::jthread sweeper_;
+};
+
+}  // namespace ccst::server
