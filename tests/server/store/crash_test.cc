@@ -1,10 +1,10 @@
+#include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <random>
 #include <set>
 #include <sstream>
 #include <string>
-#include <utility>
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -69,7 +69,7 @@ std::string KillAfter(const std::string& directory, int round, int line_count, i
 }
 
 TEST(Crash, NothingAcknowledgedIsLostAndNothingIsHalf) {
-  const TestFolder folder;
+  const TestFolder folder(testing::TempDir());
   std::mt19937 random(3);
   std::set<std::string> added;
   std::set<std::string> ended;
