@@ -1,11 +1,8 @@
 #include "server/store/job_table.h"
 
 #include <algorithm>
-#include <array>
-#include <string_view>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "core/base/sha256.h"
 #include "core/base/status.h"
 #include "server/store/job_list_query.h"
