@@ -44,11 +44,11 @@ absl::StatusOr<FileDescriptor> OpenDirectory(const std::string& path) {
   if (directory.is_open()) return directory;
   if (errno != ENOENT || path.empty()) return FileError(errno, "cannot open the directory");
 
-  std::filesystem::path clean = std::filesystem::path(path).lexically_normal();
-  if (!clean.has_filename()) clean = clean.parent_path();
+  std::filesystem::path last = path;
+  if (!last.has_filename()) last = last.parent_path();
   FileDescriptor parent;
-  CCST_ASSIGN_OR_RETURN(parent, OpenDirectory(ParentOf(clean)));
-  CCST_ASSIGN_OR_RETURN(directory, OpenSubdirectory(parent, clean.filename().c_str()));
+  CCST_ASSIGN_OR_RETURN(parent, OpenDirectory(ParentOf(last)));
+  CCST_ASSIGN_OR_RETURN(directory, OpenSubdirectory(parent, last.filename().c_str()));
   CCST_RETURN_IF_ERROR(Synchronize(parent, "cannot make the directory"));
   return directory;
 }

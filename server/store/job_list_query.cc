@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "server/store/job_state_name.h"
 
 namespace ccst::server {
@@ -22,50 +24,48 @@ struct Conditions {
 
 }  // namespace
 
-Statement JobListQuery(Database& database, std::string_view columns, const JobFilter& filter,
+Statement JobListQuery(Database& database, const std::string& columns, const JobFilter& filter,
                        const PageKey& key, std::int64_t limit) {
   // CROSS JOIN and INDEXED BY hold SQLite to the walk: it would guess, as it does not know how
   // often a value occurs.
-  std::string_view source = " FROM jobs INDEXED BY jobs_list";
-  std::string_view time_and_id = "jobs.create_time DESC, jobs.id DESC";
-  std::string_view behind_key = "(jobs.create_time, jobs.id) < (?, ?)";
-  auto label = filter.labels.begin();
+  std::string source = "jobs INDEXED BY jobs_list";
+  std::string walked = "jobs";
+  std::string id = "jobs.id";
   Conditions conditions;
-  if (label != filter.labels.end()) {
+  if (!filter.labels.empty()) {
     source =
-        " FROM job_labels AS walked INDEXED BY job_labels_list"
-        " CROSS JOIN jobs ON jobs.id = walked.job_id";
-    time_and_id = "walked.create_time DESC, walked.job_id DESC";
-    behind_key = "(walked.create_time, walked.job_id) < (?, ?)";
-    conditions.Add("walked.name = ? AND walked.value = ?", {label->first, label->second});
-    if (filter.owner.has_value()) conditions.Add("walked.owner = ?", {*filter.owner});
+        "job_labels INDEXED BY job_labels_list"
+        " CROSS JOIN jobs INDEXED BY jobs_state ON jobs.id = job_labels.job_id";
+    walked = "job_labels";
+    id = "job_labels.job_id";
+    auto label = filter.labels.begin();
+    conditions.Add("job_labels.name = ? AND job_labels.value = ?", {label->first, label->second});
     for (++label; label != filter.labels.end(); ++label) {
       conditions.Add(
-          "EXISTS (SELECT 1 FROM job_labels AS other WHERE other.job_id = walked.job_id"
+          "EXISTS (SELECT 1 FROM job_labels AS other WHERE other.job_id = job_labels.job_id"
           " AND other.name = ? AND other.value = ?)",
           {label->first, label->second});
     }
   } else if (!filter.mesh_sha256.empty()) {
-    source = " FROM jobs INDEXED BY jobs_list_mesh";
+    source += "_mesh";
   } else if (filter.owner.has_value()) {
-    source = " FROM jobs INDEXED BY jobs_list_owner";
+    source += "_owner";
   }
-  if (!filter.mesh_sha256.empty()) conditions.Add("jobs.mesh_sha256 = ?", {filter.mesh_sha256});
-  if (filter.owner.has_value()) conditions.Add("jobs.owner = ?", {*filter.owner});
+  if (!filter.mesh_sha256.empty()) {
+    conditions.Add(walked + ".mesh_sha256 = ?", {filter.mesh_sha256});
+  }
+  if (filter.owner.has_value()) conditions.Add(walked + ".owner = ?", {*filter.owner});
   if (!filter.states.empty()) {
-    std::string_view separator = "jobs.state IN (?";
-    conditions.sql += " AND ";
-    for (const JobState state : filter.states) {
-      conditions.sql += separator;
-      conditions.texts.push_back(JobStateName(state));
-      separator = ", ?";
-    }
-    conditions.sql += ")";
+    conditions.Add(
+        absl::StrCat("jobs.state IN (",
+                     absl::StrJoin(std::vector<std::string>(filter.states.size(), "?"), ", "), ")"),
+        {});
+    for (const JobState state : filter.states) conditions.texts.push_back(JobStateName(state));
   }
 
-  std::string sql = "SELECT ";
-  sql.append(columns).append(source).append(" WHERE ").append(behind_key).append(conditions.sql);
-  sql.append(" ORDER BY ").append(time_and_id).append(" LIMIT ?");
+  const std::string sql = absl::StrCat(
+      "SELECT ", columns, " FROM ", source, " WHERE (", walked, ".create_time, ", id, ") < (?, ?)",
+      conditions.sql, " ORDER BY ", walked, ".create_time DESC, ", id, " DESC LIMIT ?");
   Statement statement = database.Once(sql);
   statement.Bind(key.create_time).Bind(key.id);
   for (const std::string_view text : conditions.texts) statement.Bind(text);

@@ -1,11 +1,9 @@
 #include "server/store/job_table.h"
 
 #include <algorithm>
-#include <array>
-#include <string_view>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
+#include "core/base/sha256.h"
 #include "core/base/status.h"
 #include "server/store/job_list_query.h"
 #include "server/store/job_state_name.h"
@@ -17,7 +15,7 @@ namespace {
 constexpr char kList[] = "jobs";
 
 #define CCST_JOB_COLUMNS_                                                                 \
-  "jobs.id, jobs.owner, request_id, display_name, mesh_sha256, texture_sha256, "          \
+  "jobs.id, jobs.owner, request_id, display_name, jobs.mesh_sha256, texture_sha256, "     \
   "spec_digest, definition, state, jobs.create_time, start_time, end_time, expire_time, " \
   "outcome, samples_sha256, reusable, cached"
 
@@ -61,11 +59,12 @@ absl::StatusOr<JobRecord> JobTable::Add(const JobRecord& job) {
                            .Bind(job.cached)
                            .Run());
   for (const auto& [name, value] : job.labels) {
-    CCST_RETURN_IF_ERROR(database_.Cached("INSERT INTO job_labels VALUES (?, ?, ?, ?, ?)")
+    CCST_RETURN_IF_ERROR(database_.Cached("INSERT INTO job_labels VALUES (?, ?, ?, ?, ?, ?)")
                              .Bind(job.id)
                              .Bind(name)
                              .Bind(value)
                              .Bind(job.owner)
+                             .Bind(job.mesh_sha256)
                              .Bind(job.create_time)
                              .Run());
   }
@@ -107,9 +106,10 @@ absl::Status JobTable::End(const JobRecord& job, const std::string& history) {
           .Bind(job.id)
           .Run());
   if (!history.empty()) {
-    CCST_RETURN_IF_ERROR(database_.Cached("INSERT INTO job_histories VALUES (?, ?)")
+    CCST_RETURN_IF_ERROR(database_.Cached("INSERT INTO job_histories VALUES (?, ?, ?)")
                              .Bind(job.id)
                              .Bind(Bytes{history})
+                             .Bind(Sha256Of(history))
                              .Run());
   }
   return transaction.Commit();
@@ -123,10 +123,18 @@ absl::StatusOr<std::optional<JobRecord>> JobTable::Get(const std::string& id) {
 }
 
 absl::StatusOr<std::string> JobTable::GetHistory(const std::string& id) {
-  Statement statement = database_.Cached("SELECT history FROM job_histories WHERE job_id = ?");
-  std::string history;
-  if (statement.Bind(id).Next()) history = statement.String(0);
-  CCST_RETURN_IF_ERROR(statement.status());
+  Statement statement =
+      database_.Cached("SELECT history, sha256 FROM job_histories WHERE job_id = ?");
+  if (!statement.Bind(id).Next()) {
+    CCST_RETURN_IF_ERROR(statement.status());
+    return "";
+  }
+  // Histories are long, and SQLite's own check sees only how their pages hang together.
+  std::string history = statement.String(0);
+  if (Sha256Of(history) != statement.String(1)) {
+    return MakeError(absl::StatusCode::kInternal, ErrorReason::kStorageFailed,
+                     "the records are damaged: the history of job " + id);
+  }
   return history;
 }
 

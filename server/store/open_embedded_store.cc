@@ -24,7 +24,8 @@ constexpr char kLockName[] = "lock";
 constexpr char kRecordsName[] = "records.sqlite";
 
 // A write-ahead log that is synchronized at every commit: what was committed survives a loss of
-// power. The log is cut back after a burst.
+// power. The log is cut back after a burst. 64 MiB of cache hold
+// the indexes of 100,000 jobs, which filters walk.
 constexpr char kSettings[] =
     "PRAGMA journal_mode = WAL;"
     "PRAGMA synchronous = FULL;"
@@ -32,14 +33,25 @@ constexpr char kSettings[] =
     "PRAGMA foreign_keys = ON;"
     "PRAGMA trusted_schema = OFF;"
     "PRAGMA cell_size_check = ON;"
-    "PRAGMA temp_store = MEMORY;";
+    "PRAGMA temp_store = MEMORY;"
+    "PRAGMA cache_size = -65536;";
 
-absl::Status CheckRecords(Database& database) {
+absl::Status CheckPages(Database& database) {
   Statement statement = database.Once("PRAGMA quick_check(1)");
   if (statement.Next() && statement.String(0) == "ok") return absl::OkStatus();
   CCST_RETURN_IF_ERROR(statement.status());
   return MakeError(absl::StatusCode::kInternal, ErrorReason::kStorageFailed,
                    absl::StrCat("the records are damaged: ", statement.String(0)));
+}
+
+// Looks at every page. Mapped, as the file is read with the disk's speed then and not with that of
+// single pages, 0.5 s instead of 10 for 100 MB; only for this, as a disk that fails below a mapping
+// kills the process.
+absl::Status CheckRecords(Database& database) {
+  CCST_RETURN_IF_ERROR(database.RunScript("PRAGMA mmap_size = 2147418112"));
+  const absl::Status status = CheckPages(database);
+  CCST_RETURN_IF_ERROR(database.RunScript("PRAGMA mmap_size = 0"));
+  return status;
 }
 
 absl::StatusOr<std::unique_ptr<Database>> OpenRecords(const FileDescriptor& directory,

@@ -53,7 +53,7 @@ struct JobRecord {
 /// Which jobs to list. An empty field keeps all.
 struct JobFilter {
   std::optional<std::string> owner;
-  std::vector<JobState> states;
+  std::vector<JobState> states;  ///< RUNNING stands for QUEUED, as which it is stored.
   std::string mesh_sha256;
   std::map<std::string, std::string> labels;  ///< All of them.
 };

@@ -46,6 +46,7 @@ CREATE TABLE jobs (
   cached INTEGER NOT NULL
 );
 CREATE UNIQUE INDEX jobs_request ON jobs (owner, request_id) WHERE request_id <> '';
+CREATE INDEX jobs_state ON jobs (id, state);
 CREATE INDEX jobs_list ON jobs (create_time, id, state);
 CREATE INDEX jobs_list_owner ON jobs (owner, create_time, id, state);
 CREATE INDEX jobs_list_mesh ON jobs (mesh_sha256, create_time, id, owner, state);
@@ -61,14 +62,16 @@ CREATE TABLE job_labels (
   name TEXT NOT NULL,
   value TEXT NOT NULL,
   owner TEXT NOT NULL,
+  mesh_sha256 TEXT NOT NULL,
   create_time INTEGER NOT NULL,
   PRIMARY KEY (job_id, name)
 ) WITHOUT ROWID;
-CREATE INDEX job_labels_list ON job_labels (name, value, create_time, job_id, owner);
+CREATE INDEX job_labels_list ON job_labels (name, value, create_time, job_id, owner, mesh_sha256);
 
 CREATE TABLE job_histories (
   job_id TEXT NOT NULL PRIMARY KEY REFERENCES jobs (id) ON DELETE CASCADE,
-  history BLOB NOT NULL
+  history BLOB NOT NULL,
+  sha256 TEXT NOT NULL
 );
 )sql";
 

@@ -55,8 +55,8 @@ class Store {
   virtual absl::StatusOr<JobRecord> AddJob(const JobRecord& job) = 0;
   /// QUEUED -> CANCELLING; nothing happens to a job in another state.
   virtual absl::Status MarkCancelling(const std::string& id) = 0;
-  /// Writes state, times, outcome, samples and `history` (opaque) of a job that ends; it must be
-  /// there.
+  /// Writes state, times, outcome, samples and `history` (opaque) of a job that ends; nothing
+  /// happens to one that has ended. NOT_FOUND NOT_FOUND when it is not there.
   virtual absl::Status EndJob(const JobRecord& job, const std::string& history) = 0;
   virtual absl::StatusOr<std::optional<JobRecord>> GetJob(const std::string& id) = 0;
   /// The owner's job of that request_id.

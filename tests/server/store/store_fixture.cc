@@ -9,7 +9,18 @@
 
 namespace ccst::server {
 
-TestFolder::TestFolder() : path_(testing::TempDir() + "/ccst-store-XXXXXX") {
+namespace {
+
+std::string FastFolder() {
+  const std::string memory = "/dev/shm";
+  return std::filesystem::is_directory(memory) ? memory : testing::TempDir();
+}
+
+}  // namespace
+
+TestFolder::TestFolder() : TestFolder(FastFolder()) {}
+
+TestFolder::TestFolder(const std::string& parent) : path_(parent + "/ccst-store-XXXXXX") {
   if (mkdtemp(path_.data()) == nullptr) std::abort();
 }
 

@@ -15,10 +15,13 @@
 
 namespace ccst::server {
 
-/// A folder for a test, removed with all in it.
+/// A folder for a test, removed with all in it. In memory where the system has such a place, as
+/// synchronizing a busy disk takes most of the time of these tests.
 class TestFolder {
  public:
   TestFolder();
+  /// Within `parent`.
+  explicit TestFolder(const std::string& parent);
   ~TestFolder();
   TestFolder(const TestFolder&) = delete;
   TestFolder& operator=(const TestFolder&) = delete;
