@@ -8,6 +8,7 @@
 #include "core/base/status.h"
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 #include "google/protobuf/util/delimited_message_util.h"
+#include "proto/convert/enums.h"
 #include "proto/convert/options.h"
 #include "proto/convert/progress.h"
 #include "proto/convert/result.h"

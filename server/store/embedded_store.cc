@@ -83,6 +83,12 @@ absl::StatusOr<std::optional<JobRecord>> EmbeddedStore::GetJob(const std::string
   return jobs_.Get(id);
 }
 
+absl::StatusOr<std::optional<JobRecord>> EmbeddedStore::FindRequest(const std::string& owner,
+                                                                    const std::string& request_id) {
+  const MutexLock lock(mutex_);
+  return jobs_.FindRequest(owner, request_id);
+}
+
 absl::StatusOr<std::string> EmbeddedStore::GetHistory(const std::string& id) {
   const MutexLock lock(mutex_);
   return jobs_.GetHistory(id);

@@ -42,6 +42,8 @@ class EmbeddedStore : public Store {
   absl::Status MarkCancelling(const std::string& id) override;
   absl::Status EndJob(const JobRecord& job, const std::string& history) override;
   absl::StatusOr<std::optional<JobRecord>> GetJob(const std::string& id) override;
+  absl::StatusOr<std::optional<JobRecord>> FindRequest(const std::string& owner,
+                                                       const std::string& request_id) override;
   absl::StatusOr<std::string> GetHistory(const std::string& id) override;
   absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter, int page_size,
                                            const std::string& page_token) override;

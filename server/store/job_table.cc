@@ -30,12 +30,9 @@ absl::StatusOr<JobRecord> JobTable::Add(const JobRecord& job) {
   Transaction transaction(database_);
   CCST_RETURN_IF_ERROR(transaction.status());
   if (!job.request_id.empty()) {
-    Statement same = database_.Cached("SELECT " CCST_JOB_COLUMNS_
-                                      " FROM jobs WHERE owner = ? AND request_id = ? AND "
-                                      "request_id <> ''");
-    std::vector<JobRecord> jobs;
-    CCST_ASSIGN_OR_RETURN(jobs, ReadAll(same.Bind(job.owner).Bind(job.request_id)));
-    if (!jobs.empty()) return std::move(jobs.front());
+    std::optional<JobRecord> same;
+    CCST_ASSIGN_OR_RETURN(same, FindRequest(job.owner, job.request_id));
+    if (same.has_value()) return *std::move(same);
   }
   CCST_RETURN_IF_ERROR(database_
                            .Cached("INSERT INTO jobs VALUES "
@@ -120,6 +117,17 @@ absl::StatusOr<std::optional<JobRecord>> JobTable::Get(const std::string& id) {
   std::vector<JobRecord> jobs;
   CCST_ASSIGN_OR_RETURN(jobs, ReadAll(statement.Bind(id)));
   return FirstOf(std::move(jobs));
+}
+
+absl::StatusOr<std::optional<JobRecord>> JobTable::FindRequest(const std::string& owner,
+                                                               const std::string& request_id) {
+  Statement same = database_.Cached("SELECT " CCST_JOB_COLUMNS_
+                                    " FROM jobs WHERE owner = ? AND request_id = ? AND "
+                                    "request_id <> ''");
+  std::vector<JobRecord> jobs;
+  CCST_ASSIGN_OR_RETURN(jobs, ReadAll(same.Bind(owner).Bind(request_id)));
+  if (jobs.empty()) return std::nullopt;
+  return std::move(jobs.front());
 }
 
 absl::StatusOr<std::string> JobTable::GetHistory(const std::string& id) {

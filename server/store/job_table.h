@@ -22,6 +22,8 @@ class JobTable {
   absl::Status MarkCancelling(const std::string& id);
   absl::Status End(const JobRecord& job, const std::string& history);
   absl::StatusOr<std::optional<JobRecord>> Get(const std::string& id);
+  absl::StatusOr<std::optional<JobRecord>> FindRequest(const std::string& owner,
+                                                       const std::string& request_id);
   absl::StatusOr<std::string> GetHistory(const std::string& id);
   absl::StatusOr<Page<JobRecord>> List(const JobFilter& filter, int page_size,
                                        const std::string& page_token);
