@@ -20,6 +20,9 @@ std::string ErrorText(const absl::Status& status, const std::string& server) {
                         "); start one with ccst-server, name another with --server, or compute "
                         "here with --local");
   }
+  if (absl::IsUnauthenticated(status)) {
+    return absl::StrCat(message, "; give a token with --token-file or CCST_TOKEN");
+  }
   const auto reason = GetErrorReason(status);
   const bool is_too_big = absl::IsResourceExhausted(status) && !reason.has_value();
   if (is_too_big ||

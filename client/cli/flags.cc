@@ -86,6 +86,7 @@ struct Flags {
   SampleCommand sample;
   InfoCommand info;
   std::string server;
+  ServerFlags server_flags;
   bool local = false;
   std::optional<int> threads;
   std::optional<int> max_iterations;
@@ -96,6 +97,7 @@ void AddServer(CLI::App& app, Flags& flags) {
   app.add_option("--server", flags.server,
                  "Server that computes; else $CCST_SERVER, else localhost:50051")
       ->type_name("HOST:PORT");
+  AddServerFlags(app, flags.server_flags);
 }
 
 CLI::App* AddSample(CLI::App& app, Flags& flags) {
@@ -238,6 +240,7 @@ Command ParseCommandLine(int argc, const char* const* argv, const char* environm
   const std::string server = ServerAddress(flags, environment_server);
   if (!sample->parsed()) {
     flags.info.server = server;
+    flags.info.server_flags = flags.server_flags;
     return flags.info;
   }
   if (flags.crease_angle.has_value()) {
@@ -250,6 +253,7 @@ Command ParseCommandLine(int argc, const char* const* argv, const char* environm
         flags.threads.value_or(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   } else {
     flags.sample.server = server;
+    flags.sample.server_flags = flags.server_flags;
   }
   return flags.sample;
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <variant>
 
+#include "client/cli/server_flags.h"
 #include "core/sampling/sampling.h"
 
 namespace ccst::cli {
@@ -27,6 +28,7 @@ struct SampleCommand {
   std::string picture_path;
   std::string summary_path;
   std::string server;  ///< HOST:PORT; empty: in the process.
+  ServerFlags server_flags;
   ProgressStyle progress = ProgressStyle::kAuto;
   std::optional<int> quantization_bits;
 };
@@ -34,6 +36,7 @@ struct SampleCommand {
 /// `ccst info`.
 struct InfoCommand {
   std::string server;
+  ServerFlags server_flags;
   bool json = false;
 };
 

@@ -51,7 +51,12 @@ std::string InfoText(const std::string& server, const v1::GetServerInfoResponse&
 }  // namespace
 
 ExitCode RunInfo(const InfoCommand& command) {
-  const auto info = Client::Connect(command.server).GetServerInfo();
+  auto client = ConnectTo(command.server, command.server_flags);
+  if (!client.ok()) {
+    PrintError(client.status(), command.server);
+    return ExitCodeFor(client.status());
+  }
+  const auto info = client->GetServerInfo();
   if (!info.ok()) {
     PrintError(info.status(), command.server);
     return ExitCodeFor(info.status());

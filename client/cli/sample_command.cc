@@ -41,7 +41,8 @@ absl::StatusOr<SampleOutcome> SampleRemotely(MeshInput& input, const SampleComma
     printer.Note(absl::StrCat("waiting; jobs ahead: ", snapshot.queue_position()));
   };
   callbacks.on_progress = [&printer](const AlternationReport& report) { printer.Show(report); };
-  return Client::Connect(command.server).Sample(job, callbacks, stop);
+  CCST_ASSIGN_OR_RETURN(Client client, ConnectTo(command.server, command.server_flags));
+  return client.Sample(job, callbacks, stop);
 }
 
 constexpr std::int64_t kMaxTextureBytes = std::int64_t{256} << 20;

@@ -6,10 +6,7 @@
 #include <mutex>
 #include <utility>
 
-#include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
-#include <grpcpp/create_channel.h>
-#include <grpcpp/security/credentials.h>
 
 #include "client/lib/answer.h"
 #include "client/lib/grpc_error.h"
@@ -24,7 +21,6 @@ constexpr int kAttempts = 3;
 constexpr double kFirstRetrySeconds = 0.2;  // Doubled for each further attempt.
 constexpr double kMaxRetrySeconds = 5.0;
 constexpr std::chrono::seconds kInfoTimeout{10};
-constexpr int kKeepaliveMs = 30'000;
 
 absl::Status Cancelled() {
   return MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled, "cancelled");
@@ -78,17 +74,8 @@ bool WaitBeforeRetry(int attempt, const absl::Status& status, const std::stop_to
 
 }  // namespace
 
-Client Client::Connect(const std::string& address) {
-  grpc::ChannelArguments arguments;
-  // A proxy for web pages is no way to a computation server.
-  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  // A machine that vanishes says no goodbye. Servers take pings from every 10 s on.
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveMs);
-  // So that each attempt really tries to connect.
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  const auto channel =
-      grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+absl::StatusOr<Client> Client::Connect(const Connection& connection) {
+  CCST_ASSIGN_OR_RETURN(const auto channel, OpenChannel(connection));
   return Client(v1::SamplingService::NewStub(channel), v1::ServerInfoService::NewStub(channel));
 }
 

@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "ccst/v1/sampling_service.grpc.pb.h"
 #include "ccst/v1/server_info_service.grpc.pb.h"
+#include "client/lib/connection.h"
 #include "client/lib/outcome.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/sampling/sampling.h"
@@ -35,8 +36,9 @@ struct SampleCallbacks {
 /// A server, as its callers see it. Thread-safe; blocking.
 class Client {
  public:
-  /// A client of the server at `address` (HOST:PORT), without encryption. Connects at first use.
-  static Client Connect(const std::string& address);
+  /// A client of the server at `connection`. Connects at first use.
+  /// @errors those of OpenChannel()
+  static absl::StatusOr<Client> Connect(const Connection& connection);
 
   Client(std::unique_ptr<v1::SamplingService::StubInterface> sampling,
          std::unique_ptr<v1::ServerInfoService::StubInterface> info);

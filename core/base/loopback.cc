@@ -9,7 +9,9 @@ namespace ccst {
 bool IsLoopback(std::string_view address) {
   if (address.substr(0, 1) == "[") {
     in6_addr ip = {};
-    const std::string host(address.substr(1, address.find(']') - 1));
+    const std::size_t end = address.find(']');
+    if (end == std::string_view::npos) return false;
+    const std::string host(address.substr(1, end - 1));
     return inet_pton(AF_INET6, host.c_str(), &ip) == 1 && IN6_IS_ADDR_LOOPBACK(&ip);
   }
   const std::string host(address.substr(0, address.find(':')));

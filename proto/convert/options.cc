@@ -12,35 +12,6 @@
 namespace ccst {
 namespace {
 
-void CheckMesh(const v1::SampleRequest& request, const RequestLimits& limits,
-               Violations& violations) {
-  constexpr ErrorReason kInvalid = ErrorReason::kRequestInvalid;
-  if (!request.has_inline_mesh()) {
-    violations.Add("inline_mesh", "is missing, must be a Draco mesh", kInvalid);
-    return;
-  }
-  const v1::InlineMesh& mesh = request.inline_mesh();
-  if (mesh.format() != v1::MESH_FORMAT_DRACO) {
-    violations.Add("inline_mesh.format", "must be MESH_FORMAT_DRACO", kInvalid);
-  }
-  const auto size = static_cast<std::int64_t>(mesh.data().size());
-  if (size == 0) {
-    violations.Add("inline_mesh.data", "is empty, must be a Draco mesh", kInvalid);
-  } else if (size > limits.max_inline_mesh_bytes) {
-    violations.AddLimit("inline_mesh.data", "max_inline_mesh_bytes", limits.max_inline_mesh_bytes,
-                        size);
-  }
-  if (mesh.has_origin() && !FromProto(mesh.origin()).allFinite()) {
-    violations.Add("inline_mesh.origin", "must be finite", kInvalid);
-  }
-}
-
-bool IsPositiveDuration(const google::protobuf::Duration& duration) {
-  constexpr std::int64_t kMaxSeconds = 315'576'000'000;
-  return duration.seconds() >= 0 && duration.seconds() <= kMaxSeconds && duration.nanos() >= 0 &&
-         duration.nanos() < 1'000'000'000 && (duration.seconds() > 0 || duration.nanos() > 0);
-}
-
 template <typename Message>
 void SetShape(const DensityOptions& density, Message& message) {
   message.set_exponent(density.exponent);
@@ -211,29 +182,6 @@ absl::StatusOr<SamplingOptions> FromProto(const v1::SamplingOptions& options,
   SamplingOptions result = FromProto(options, limits, "", violations);
   CCST_RETURN_IF_ERROR(violations.ToStatus());
   return result;
-}
-
-absl::StatusOr<SampleCall> FromProto(const v1::SampleRequest& request,
-                                     const RequestLimits& limits) {
-  Violations violations;
-  SampleCall call;
-  CheckMesh(request, limits, violations);
-  call.has_origin = request.inline_mesh().has_origin();
-  call.origin = FromProto(request.inline_mesh().origin());
-  if (request.has_options()) {
-    call.options = FromProto(request.options(), limits, "options", violations);
-  } else {
-    violations.Add("options", "is missing, must at least have a sample_count",
-                   ErrorReason::kRequestInvalid);
-  }
-  call.preview_sample_count = request.preview_sample_count();
-  if (call.preview_sample_count < 0 || call.preview_sample_count > kMaxPreviewSampleCount) {
-    violations.Add("preview_sample_count", "is " + std::to_string(call.preview_sample_count) +
-                                               ", must be in [0, " +
-                                               std::to_string(kMaxPreviewSampleCount) + "]");
-  }
-  CCST_RETURN_IF_ERROR(violations.ToStatus());
-  return call;
 }
 
 }  // namespace ccst

@@ -86,12 +86,12 @@ void AppendAttributes(const v1::SampleChunk& chunk, SampleSet& samples) {
 
 }  // namespace
 
-std::int64_t SamplesPerChunk(const SampleSet& samples) {
+std::int64_t SamplesPerChunk(std::span<const Attribute> attributes) {
   constexpr std::int64_t kMaxChunkBytes = std::int64_t{1} << 20;
   constexpr std::int64_t kHeaderBytes = std::int64_t{16} << 10;  // Names and lengths.
   // A face of at most five bytes, two doubles, six floats.
   std::int64_t sample_bytes = 5 + 2 * 8 + 6 * 4;
-  for (const Attribute& attribute : samples.attributes) {
+  for (const Attribute& attribute : attributes) {
     sample_bytes += 4 * std::int64_t{attribute.components};
   }
   return std::min(kMaxChunkLength, (kMaxChunkBytes - kHeaderBytes) / sample_bytes);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "absl/status/status.h"
 #include "ccst/v1/sampling_service.pb.h"
@@ -11,9 +12,9 @@ namespace ccst {
 /// Most samples in a `SampleChunk` and triangles in a `SampleMeshChunk`: under 1 MiB encoded.
 inline constexpr std::int64_t kMaxChunkLength = 16'384;
 
-/// Most samples of `samples` that a chunk holds within 1 MiB: kMaxChunkLength, or fewer where they
-/// carry many attributes.
-std::int64_t SamplesPerChunk(const SampleSet& samples);
+/// Most samples with such attributes that a chunk holds within 1 MiB: kMaxChunkLength, or fewer
+/// where there are many.
+std::int64_t SamplesPerChunk(std::span<const Attribute> attributes);
 
 /// Samples [start, start + count) of `samples`, which must hold them.
 v1::SampleChunk SampleChunkToProto(const SampleSet& samples, std::int64_t start,

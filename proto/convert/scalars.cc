@@ -41,6 +41,12 @@ google::protobuf::Timestamp TimestampToProto(absl::Time time) {
   return timestamp;
 }
 
+bool IsPositiveDuration(const google::protobuf::Duration& duration) {
+  constexpr std::int64_t kMaxSeconds = 315'576'000'000;
+  return duration.seconds() >= 0 && duration.seconds() <= kMaxSeconds && duration.nanos() >= 0 &&
+         duration.nanos() < 1'000'000'000 && (duration.seconds() > 0 || duration.nanos() > 0);
+}
+
 v1::Vector3 ToProto(const Eigen::Vector3d& vector) {
   v1::Vector3 message;
   message.set_x(vector.x());

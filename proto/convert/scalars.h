@@ -19,6 +19,9 @@ double SecondsFromProto(const google::protobuf::Duration& duration);
 /// Rounded down to nanoseconds.
 google::protobuf::Timestamp TimestampToProto(absl::Time time);
 
+/// True for a valid Duration above 0.
+bool IsPositiveDuration(const google::protobuf::Duration& duration);
+
 v1::Vector3 ToProto(const Eigen::Vector3d& vector);
 Eigen::Vector3d FromProto(const v1::Vector3& vector);
 

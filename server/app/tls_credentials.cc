@@ -70,8 +70,10 @@ class WatchedTls final : public grpc::ServerCredentials {
   static grpc_ssl_server_certificate_config* ToConfig(const TlsMaterial& material) {
     const grpc_ssl_pem_key_cert_pair pair = {.private_key = material.key.c_str(),
                                              .cert_chain = material.certificate.c_str()};
-    return grpc_ssl_server_certificate_config_create(
-        material.client_ca.empty() ? nullptr : material.client_ca.c_str(), &pair, 1);
+    // gRPC wants somebody to vouch for clients also where it asks for no certificate, and then does
+    // not look there.
+    const std::string& ca = material.client_ca.empty() ? material.certificate : material.client_ca;
+    return grpc_ssl_server_certificate_config_create(ca.c_str(), &pair, 1);
   }
 
   const TlsPaths paths_;

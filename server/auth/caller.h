@@ -15,6 +15,10 @@ enum class Scope {
 struct Caller {
   std::string owner;  ///< Printable ASCII without spaces, at most 128 bytes.
   Scope scope = Scope::kFull;
+  bool known = false;  ///< By a token; otherwise `owner` is only what the connection is called.
+
+  /// Whose jobs and meshes the caller sees: its own, or, where callers are not known, everybody's.
+  std::string visible_owner() const { return known ? owner : std::string(); }
 };
 
 /// `name` as an owner: what cannot stand in a word of a log line, as in names of certificates,

@@ -12,7 +12,8 @@ namespace ccst::server {
 struct TlsPaths {
   std::string certificate;  ///< PEM: the server's certificate, then those that vouch for it.
   std::string key;          ///< PEM: its private key, without a passphrase.
-  std::string client_ca;    ///< PEM: who vouches for clients; empty: clients need no certificate.
+  std::string client_ca =
+      {};  ///< PEM: who vouches for clients; empty: clients need no certificate.
 };
 
 /// What is in them.

@@ -291,8 +291,14 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::Restore(const JobRecord& record
 
 absl::StatusOr<Page<JobSummary>> JobManager::List(const JobFilter& filter, int page_size,
                                                   const std::string& page_token) {
+  // One that runs is stored as one that waits, which it would be after a restart.
+  JobFilter stored = filter;
+  const auto has = [&](JobState state) {
+    return std::find(filter.states.begin(), filter.states.end(), state) != filter.states.end();
+  };
+  if (has(JobState::kRunning)) stored.states.push_back(JobState::kQueued);
   Page<JobRecord> records;
-  CCST_ASSIGN_OR_RETURN(records, store_.ListJobs(filter, page_size, page_token));
+  CCST_ASSIGN_OR_RETURN(records, store_.ListJobs(stored, page_size, page_token));
   Page<JobSummary> page{.records = {}, .next_token = std::move(records.next_token)};
   for (const JobRecord& record : records.records) {
     std::shared_ptr<Job> live;
@@ -308,17 +314,24 @@ absl::StatusOr<Page<JobSummary>> JobManager::List(const JobFilter& filter, int p
       CCST_ASSIGN_OR_RETURN(summary.spec, SpecOf(record));
       CCST_ASSIGN_OR_RETURN(summary.view, ViewOf(record));
     }
+    if (!filter.states.empty() && !has(summary.view.state)) continue;
     page.records.push_back(std::move(summary));
   }
   return page;
 }
 
+void JobManager::Stop(Job& job, StopCause cause) {
+  if (runner_->Cancel(job, cause)) dependencies_.observer->OnCancel(CauseName(cause));
+}
+
 absl::Status JobManager::Cancel(const std::shared_ptr<Job>& job, StopCause cause) {
-  if (HasEnded(job->View().state)) return absl::OkStatus();
+  {
+    MutexLock lock(mutex_);
+    if (!live_.contains(job->id())) return absl::OkStatus();
+  }
   // The wish first: a server that is killed between the two must not run the job again.
   if (!job->spec().ends_with_caller) CCST_RETURN_IF_ERROR(store_.MarkCancelling(job->id()));
-  if (!runner_->Cancel(*job, cause)) return absl::OkStatus();
-  dependencies_.observer->OnCancel(CauseName(cause));
+  Stop(*job, cause);
   const JobView view = job->View();
   // What runs is stored when its worker lets go of it.
   if (!HasEnded(view.state) || view.start_time.has_value()) return absl::OkStatus();
@@ -457,13 +470,11 @@ absl::StatusOr<std::int64_t> JobManager::Watch(Job& job, std::function<void()> w
   return *id;
 }
 
-void JobManager::Unwatch(const std::shared_ptr<Job>& job, std::int64_t watcher) {
-  job->RemoveWatcher(watcher);
-  {
-    MutexLock lock(mutex_);
-    --watchers_;
-    changed_.notify_all();
-  }
+void JobManager::Unwatch(Job& job, std::int64_t watcher) {
+  job.RemoveWatcher(watcher);
+  MutexLock lock(mutex_);
+  --watchers_;
+  changed_.notify_all();
 }
 
 absl::Status JobManager::Sweep() {

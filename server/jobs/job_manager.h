@@ -82,6 +82,9 @@ class JobManager {
   /// Asks a job to stop, durably; nothing happens to one that has ended.
   absl::Status Cancel(const std::shared_ptr<Job>& job, StopCause cause);
 
+  /// Asks a job to stop; does not block, and does not survive a crash without Cancel().
+  void Stop(Job& job, StopCause cause);
+
   /// NOT_FOUND | FAILED_PRECONDITION JOB_NOT_ENDED.
   absl::Status Delete(const std::string& owner, const std::string& id);
 
@@ -92,8 +95,7 @@ class JobManager {
   /// @errors RESOURCE_EXHAUSTED QUOTA_EXCEEDED
   absl::StatusOr<std::int64_t> Watch(Job& job, std::function<void()> watcher,
                                      int preview_sample_count);
-  /// Does not block; a job that ends with its caller is cancelled soon.
-  void Unwatch(const std::shared_ptr<Job>& job, std::int64_t watcher);
+  void Unwatch(Job& job, std::int64_t watcher);
 
   /// Cancels what nobody watches any more and drops what has expired; called now and then.
   absl::Status Sweep();

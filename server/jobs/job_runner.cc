@@ -71,7 +71,8 @@ absl::StatusOr<JobRunner::Place> JobRunner::Reserve(const std::string& share) {
   return Place(*this, share);
 }
 
-void JobRunner::Enqueue(Place /*until it is queued*/, std::shared_ptr<Job> job, std::int64_t memory_bytes) {
+void JobRunner::Enqueue(Place /*until it is queued*/, std::shared_ptr<Job> job,
+                        std::int64_t memory_bytes) {
   bool draining = false;
   {
     MutexLock lock(mutex_);

@@ -48,7 +48,7 @@ absl::Status DownloadReactor::Open() {
                    ErrorReason::kRequestInvalid);
   }
   CCST_RETURN_IF_ERROR(violations.ToStatus());
-  CCST_ASSIGN_OR_RETURN(blob_, support_.meshes.Open(call_.caller().owner, sha256));
+  CCST_ASSIGN_OR_RETURN(blob_, support_.meshes.Open(call_.caller().visible_owner(), sha256));
   if (start > blob_->size_bytes()) {
     violations.Add("start_offset_bytes",
                    "is " + std::to_string(start) + ", must be at most the mesh's size, " +

@@ -13,14 +13,6 @@
 namespace ccst::server {
 namespace {
 
-constexpr std::string_view kNamePrefix = "meshes/";
-
-// Of UTF-8, which protobuf has checked.
-std::int64_t CountCharacters(std::string_view text) {
-  return std::count_if(text.begin(), text.end(),
-                       [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
-}
-
 MeshDigest FromProto(const v1::Digest& digest, const std::string& path, Violations& violations) {
   if (!IsSha256(digest.sha256())) {
     violations.Add(path + ".sha256", "must be 64 lowercase hexadecimal digits",
@@ -44,11 +36,7 @@ MeshUpload FromProto(const v1::MeshUploadHeader& header, const std::string& owne
   if (header.format() != v1::MESH_FORMAT_DRACO) {
     violations.Add("header.format", "must be MESH_FORMAT_DRACO", ErrorReason::kRequestInvalid);
   }
-  if (CountCharacters(header.display_name()) > kMaxDisplayName) {
-    violations.Add("header.display_name",
-                   "must have at most " + std::to_string(kMaxDisplayName) + " characters",
-                   ErrorReason::kRequestInvalid);
-  }
+  CheckText(header.display_name(), kMaxDisplayName, "header.display_name", violations);
   return {.owner = owner,
           .sha256 = std::move(digest.sha256),
           .size_bytes = digest.size_bytes,
@@ -77,20 +65,6 @@ v1::Mesh ToProto(const MeshFacts& facts) {
 }
 
 }  // namespace
-
-std::string MeshName(const std::string& sha256) { return std::string(kNamePrefix) + sha256; }
-
-std::string Sha256OfMeshName(const std::string& name, const std::string& path,
-                             Violations& violations) {
-  const std::string_view text = name;
-  if (text.substr(0, kNamePrefix.size()) == kNamePrefix &&
-      IsSha256(text.substr(kNamePrefix.size()))) {
-    return name.substr(kNamePrefix.size());
-  }
-  violations.Add(path, "must be meshes/ followed by 64 lowercase hexadecimal digits",
-                 ErrorReason::kRequestInvalid);
-  return {};
-}
 
 int PageSize(std::int32_t page_size, Violations& violations) {
   if (page_size < 0) {

@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "ccst/v1/mesh.pb.h"
 #include "ccst/v1/mesh_service.pb.h"
+#include "proto/convert/names.h"
 #include "proto/convert/violations.h"
 #include "server/meshes/mesh_store.h"
 
@@ -18,14 +19,6 @@ inline constexpr int kMaxDigests = 1000;
 /// Page sizes of lists.
 inline constexpr int kDefaultPageSize = 50;
 inline constexpr int kMaxPageSize = 1000;
-/// Longest `display_name`, in characters.
-inline constexpr std::int64_t kMaxDisplayName = 128;
-
-/// `meshes/{sha256}`.
-std::string MeshName(const std::string& sha256);
-/// The digest of a mesh's name; adds to `violations` under `path` when it is none.
-std::string Sha256OfMeshName(const std::string& name, const std::string& path,
-                             Violations& violations);
 /// The page size asked for, with its default and its limit; adds to `violations` when negative.
 int PageSize(std::int32_t page_size, Violations& violations);
 

@@ -76,7 +76,7 @@ grpc::ServerUnaryReactor* MeshService::FindMissingMeshes(
     v1::FindMissingMeshesResponse* response) {
   return ServeUnaryOn(support_.disk, support_.calls, *context, "FindMissingMeshes",
                       Scope::kReadOnly, *request, *response, [this, request, response](Call& call) {
-                        return FindMissing(support_.meshes, call.caller().owner, *request,
+                        return FindMissing(support_.meshes, call.caller().visible_owner(), *request,
                                            *response);
                       });
 }
@@ -91,7 +91,7 @@ grpc::ServerUnaryReactor* MeshService::CreateMesh(grpc::CallbackServerContext* c
                                                   v1::CreateMeshResponse* response) {
   return ServeUnaryOn(support_.decoding, support_.calls, *context, "CreateMesh", Scope::kFull,
                       *request, *response, [this, request, response](Call& call) {
-                        return WithQuota(Create(support_, call.caller().owner, *request, *response),
+                        return WithQuota(Create(support_, call.caller().visible_owner(), *request, *response),
                                          support_.meshes.options(),
                                          request->header().digest().size_bytes());
                       });
@@ -106,7 +106,7 @@ grpc::ServerUnaryReactor* MeshService::GetMesh(grpc::CallbackServerContext* cont
                         CCST_ASSIGN_OR_RETURN(sha256, Sha256FromName(request->name()));
                         StoredMesh mesh;
                         CCST_ASSIGN_OR_RETURN(mesh,
-                                              support_.meshes.Get(call.caller().owner, sha256));
+                                              support_.meshes.Get(call.caller().visible_owner(), sha256));
                         *response->mutable_mesh() = ToProto(mesh);
                         return absl::OkStatus();
                       });
@@ -117,7 +117,7 @@ grpc::ServerUnaryReactor* MeshService::ListMeshes(grpc::CallbackServerContext* c
                                                   v1::ListMeshesResponse* response) {
   return ServeUnaryOn(support_.disk, support_.calls, *context, "ListMeshes", Scope::kReadOnly,
                       *request, *response, [this, request, response](Call& call) {
-                        return List(support_.meshes, call.caller().owner, *request, *response);
+                        return List(support_.meshes, call.caller().visible_owner(), *request, *response);
                       });
 }
 
@@ -133,7 +133,7 @@ grpc::ServerUnaryReactor* MeshService::DeleteMesh(grpc::CallbackServerContext* c
                       *response, [this, request](Call& call) -> absl::Status {
                         std::string sha256;
                         CCST_ASSIGN_OR_RETURN(sha256, Sha256FromName(request->name()));
-                        return support_.meshes.Delete(call.caller().owner, sha256);
+                        return support_.meshes.Delete(call.caller().visible_owner(), sha256);
                       });
 }
 

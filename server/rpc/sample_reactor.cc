@@ -1,124 +1,116 @@
 #include "server/rpc/sample_reactor.h"
 
-#include <exception>
-#include <new>
 #include <utility>
 
 #include "core/base/status.h"
+#include "server/rpc/job_messages.h"
 
 namespace ccst::server {
 namespace {
 
-absl::Status OutOfMemory() {
-  return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kOutOfMemory,
-                   "the answer needs more memory than there is");
+// True for errors that say what is wrong with the request; these end the call, while a run that
+// broke for another reason is a failed job of a call that went well.
+bool LiesInRequest(const absl::Status& error) {
+  return absl::IsInvalidArgument(error) || absl::IsFailedPrecondition(error);
 }
 
 }  // namespace
 
-SampleReactor::SampleReactor(JobRunner& runner, const CallSupport& support,
-                             const grpc::CallbackServerContext& context)
-    : runner_(runner), call_(support, context, "Sample", Scope::kFull) {}
+SampleReactor::SampleReactor(const StreamSupport& support, const JobSupport& jobs,
+                             const grpc::CallbackServerContext& context, v1::SampleRequest& request)
+    : StreamReactor(support, context, "Sample", Scope::kFull), jobs_(jobs), request_(request) {}
 
-void SampleReactor::Start(v1::SampleRequest& request, const RequestLimits& limits,
-                          int threads_per_job) {
-  absl::Status status;
-  try {
-    status = Submit(request, limits, threads_per_job);
-  } catch (const std::bad_alloc&) {
-    status = OutOfMemory();
-  }
-  if (!status.ok()) {
-    MutexLock lock(mutex_);
-    FinishWith(status);
-    return;
-  }
-  job_->SetWatcher([this] { Pump(); });
-  Pump();
-}
-
-absl::Status SampleReactor::Submit(v1::SampleRequest& request, const RequestLimits& limits,
-                                   int threads_per_job) {
-  {
-    MutexLock lock(mutex_);
-    call_.Received(request);
-    CCST_RETURN_IF_ERROR(call_.admission());
-    call_.record().samples_requested = request.options().sample_count();
-  }
-  SampleCall call;
-  CCST_ASSIGN_OR_RETURN(call, FromProto(request, limits));
-  call.options.thread_count = threads_per_job;
-  CCST_ASSIGN_OR_RETURN(
-      job_, runner_.Submit({.mesh = std::move(*request.mutable_inline_mesh()->mutable_data()),
-                            .options = call.options,
-                            .preview_sample_count = call.preview_sample_count}));
-  MutexLock lock(mutex_);
-  call_.record().job = job_->name();
-  stream_.emplace(job_, call.has_origin ? std::optional(call.origin) : std::nullopt);
+absl::Status SampleReactor::Open(Call& call) {
+  call.Received(request_);
+  call.record().samples_requested = request_.options().sample_count();
+  JobCall asked;
+  CCST_ASSIGN_OR_RETURN(asked, FromProto(request_, jobs_.limits));
+  const int preview_count = asked.preview_sample_count;
+  CCST_ASSIGN_OR_RETURN(job_, Submit(jobs_, call.caller(), std::move(asked), request_));
+  call.record().job = job_->name();
+  events_.emplace(job_, 0, preview_count);
+  has_job_ = true;
+  CCST_ASSIGN_OR_RETURN(watcher_, jobs_.jobs.Watch(
+                                      *job_, [this] { Pump(); }, preview_count));
   return absl::OkStatus();
 }
 
-void SampleReactor::Pump() {
-  MutexLock lock(mutex_);
-  if (writing_ || finished_) return;
-  if (caller_gone_) {
-    FinishWith(MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled,
-                         "the caller went away or its deadline passed"));
-    return;
+StreamStep SampleReactor::Next(v1::SampleResponse& message) {
+  if (closed_) return StreamStep::kEnd;
+  switch (events_->Next()) {
+    case JobEvents::Kind::kNothing:
+      return StreamStep::kWait;
+    case JobEvents::Kind::kSnapshot:
+      *message.mutable_snapshot() = events_->snapshot();
+      return StreamStep::kWrite;
+    case JobEvents::Kind::kProgress:
+      *message.mutable_progress() = events_->progress();
+      return StreamStep::kWrite;
+    case JobEvents::Kind::kPreview:
+      *message.mutable_preview() = events_->preview();
+      return StreamStep::kWrite;
+    case JobEvents::Kind::kEnd:
+      break;
   }
-  try {
-    switch (stream_->Next(message_)) {
-      case SampleStream::Step::kWait:
-        return;
-      case SampleStream::Step::kEnd:
-        FinishWith(stream_->end_status());
-        return;
-      case SampleStream::Step::kWrite:
-        break;
+  return AfterEvents(message);
+}
+
+StreamStep SampleReactor::AfterEvents(v1::SampleResponse& message) {
+  const JobView& end = events_->end();
+  if (end.state == JobState::kCancelled) {
+    return End(end.stop_cause == StopCause::kDrain
+                   ? GoingAway()
+                   : MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled,
+                               "stopped on request"));
+  }
+  if (LiesInRequest(end.error)) return End(end.error);
+  if (end.result != nullptr) {
+    if (!chunks_.has_value()) {
+      auto stored = jobs_.jobs.OpenSamples(*job_);
+      if (!stored.ok()) return End(stored.status());
+      chunks_.emplace(*std::move(stored), 0, 0);
     }
-  } catch (const std::bad_alloc&) {
-    FinishWith(OutOfMemory());
-    return;
+    absl::Status read;
+    if (chunks_->has_sample()) {
+      read = chunks_->NextSamples(*message.mutable_samples());
+      return read.ok() ? StreamStep::kWrite : End(read);
+    }
+    if (chunks_->has_triangle()) {
+      read = chunks_->NextTriangles(*message.mutable_sample_mesh());
+      return read.ok() ? StreamStep::kWrite : End(read);
+    }
   }
-  grpc::WriteOptions options;
-  // More follows at once after a chunk: let the transport fill its frames.
-  if (message_.has_samples() || message_.has_sample_mesh()) options.set_buffer_hint();
-  writing_ = true;
-  call_.Sent(message_);
-  StartWrite(&message_, options);
+  *message.mutable_snapshot() = ToProto(job_->id(), job_->spec(), end);
+  closed_ = true;
+  return StreamStep::kWrite;
 }
 
-void SampleReactor::FinishWith(const absl::Status& status) {
-  finished_ = true;
-  Finish(call_.End(status));
+StreamStep SampleReactor::End(absl::Status status) {
+  end_status_ = std::move(status);
+  closed_ = true;
+  return StreamStep::kEnd;
 }
 
-void SampleReactor::OnWriteDone(bool ok) {
-  {
-    MutexLock lock(mutex_);
-    writing_ = false;
-    if (!ok) caller_gone_ = true;
-  }
-  Pump();
+bool SampleReactor::MakeHeartbeat(v1::SampleResponse& message) {
+  message.mutable_heartbeat();
+  return true;
 }
 
-void SampleReactor::OnCancel() {
-  {
-    MutexLock lock(mutex_);
-    caller_gone_ = true;
-  }
-  // Outside the lock: the job tells its watcher, which takes it.
-  if (job_ != nullptr) runner_.Cancel(*job_, StopCause::kCaller);
-  Pump();
+bool SampleReactor::MoreFollows(const v1::SampleResponse& message) {
+  return message.has_samples() || message.has_sample_mesh();
 }
 
-void SampleReactor::OnDone() {
-  if (job_ != nullptr) runner_.Release(*job_);
-  {
-    MutexLock lock(mutex_);
-    if (stream_.has_value()) call_.record().samples_sent = stream_->samples_written();
-  }
-  delete this;
+void SampleReactor::OnGone() {
+  // At once, for the worker's sake; Close() writes it down.
+  if (has_job_) jobs_.jobs.Stop(*job_, StopCause::kCaller);
+}
+
+void SampleReactor::Close() {
+  if (chunks_.has_value()) call().record().samples_sent = chunks_->next_sample();
+  if (job_ == nullptr) return;
+  if (watcher_.has_value()) jobs_.jobs.Unwatch(*job_, *watcher_);
+  // What cannot be written down now is cancelled when the server starts next.
+  jobs_.jobs.Cancel(job_, StopCause::kCaller).IgnoreError();
 }
 
 }  // namespace ccst::server

@@ -3,49 +3,45 @@
 #include <memory>
 #include <optional>
 
-#include <grpcpp/server_context.h>
-#include <grpcpp/support/server_callback.h>
-
-#include "absl/status/status.h"
 #include "ccst/v1/sampling_service.pb.h"
-#include "proto/convert/options.h"
-#include "server/jobs/job_runner.h"
-#include "server/base/mutex.h"
-#include "server/rpc/call.h"
-#include "server/rpc/sample_stream.h"
+#include "server/rpc/job_events.h"
+#include "server/rpc/job_intake.h"
+#include "server/rpc/sample_chunks.h"
+#include "server/rpc/stream_reactor.h"
 
 namespace ccst::server {
 
-/// One `Sample` call: submits the job, writes its stream one message after the other as fast as
-/// the caller reads, and stops the job when the caller goes away. Deletes itself when done.
-class SampleReactor final : public grpc::ServerWriteReactor<v1::SampleResponse> {
+/// One `Sample` call: a job that ends with its caller, its events, then samples and sample mesh,
+/// and last the ended job.
+class SampleReactor final : public StreamReactor<v1::SampleResponse> {
  public:
-  SampleReactor(JobRunner& runner, const CallSupport& support,
-                const grpc::CallbackServerContext& context);
-
   /// Takes the mesh's bytes out of `request`.
-  void Start(v1::SampleRequest& request, const RequestLimits& limits, int threads_per_job);
+  SampleReactor(const StreamSupport& support, const JobSupport& jobs,
+                const grpc::CallbackServerContext& context, v1::SampleRequest& request);
 
-  void OnWriteDone(bool ok) override;
-  void OnCancel() override;
-  void OnDone() override;
+ protected:
+  absl::Status Open(Call& call) override;
+  StreamStep Next(v1::SampleResponse& message) override;
+  absl::Status end_status() override { return end_status_; }
+  bool MakeHeartbeat(v1::SampleResponse& message) override;
+  bool MoreFollows(const v1::SampleResponse& message) override;
+  void OnGone() override;
+  void Close() override;
 
  private:
-  absl::Status Submit(v1::SampleRequest& request, const RequestLimits& limits, int threads_per_job);
-  // Starts the next write or ends the call, unless a write is under way or nothing is new.
-  void Pump() ABSL_LOCKS_EXCLUDED(mutex_);
-  void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  StreamStep AfterEvents(v1::SampleResponse& message);
+  StreamStep End(absl::Status status);
 
-  JobRunner& runner_;
-  std::shared_ptr<Job> job_;  // Null when the request was refused; set before any reaction.
-
-  Mutex mutex_;
-  std::optional<SampleStream> stream_ ABSL_GUARDED_BY(mutex_);
-  v1::SampleResponse message_ ABSL_GUARDED_BY(mutex_);  // The one being written.
-  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
-  bool caller_gone_ ABSL_GUARDED_BY(mutex_) = false;
-  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
-  Call call_ ABSL_GUARDED_BY(mutex_);
+  const JobSupport& jobs_;
+  v1::SampleRequest& request_;
+  // Set once, by Open(), before anything else is told of the job.
+  std::shared_ptr<Job> job_;
+  std::atomic<bool> has_job_ = false;
+  std::optional<std::int64_t> watcher_;
+  std::optional<JobEvents> events_;
+  std::optional<SampleChunks> chunks_;
+  bool closed_ = false;
+  absl::Status end_status_;
 };
 
 }  // namespace ccst::server

@@ -124,7 +124,7 @@ absl::Status UploadReactor::TakeHeader() {
   std::string owner;
   {
     MutexLock lock(mutex_);
-    owner = call_->caller().owner;
+    owner = call_->caller().visible_owner();
   }
   CCST_ASSIGN_OR_RETURN(upload_, FromProto(message_.header(), owner, support_.meshes.options()));
   bool held = false;

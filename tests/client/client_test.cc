@@ -120,7 +120,7 @@ class ClientTest : public ::testing::Test {
 
   absl::StatusOr<SampleOutcome> Sample(const SampleCallbacks& callbacks = {},
                                        std::stop_token stop = {}) {
-    return Client::Connect(address_).Sample(job_, callbacks, stop);
+    return Client::Connect({.address = address_})->Sample(job_, callbacks, stop);
   }
 
   FakeService service_;
@@ -315,7 +315,7 @@ TEST_F(ClientTest, StopEndsTheWaitBetweenAttempts) {
 
 TEST(Client, SaysThatNoServerIsThere) {
   // Port 1 of the loopback interface is reserved and refuses connections.
-  Client client = Client::Connect("127.0.0.1:1");
+  Client client = *Client::Connect({.address = "127.0.0.1:1"});
   SampleJob job;
   job.options.sample_count = 4;
   EXPECT_EQ(client.Sample(job).status().code(), absl::StatusCode::kUnavailable);

@@ -254,13 +254,13 @@ TEST(Convert, AttributesThatDoNotFitAreRefused) {
 TEST(Convert, WideAttributesMakeShorterChunks) {
   SampleSet samples = ManySamples(static_cast<int>(kMaxChunkLength));
   samples.attributes.clear();
-  EXPECT_EQ(SamplesPerChunk(samples), kMaxChunkLength);
+  EXPECT_EQ(SamplesPerChunk(samples.attributes), kMaxChunkLength);
   for (int i = 0; i < 64; ++i) {
     samples.attributes.push_back({.name = std::string(62, 'x') + std::to_string(10 + i),
                                   .components = 4,
                                   .values = std::vector<float>(4 * kMaxChunkLength, 1.0F)});
   }
-  const std::int64_t count = SamplesPerChunk(samples);
+  const std::int64_t count = SamplesPerChunk(samples.attributes);
   const std::size_t bytes = SampleChunkToProto(samples, 0, count).ByteSizeLong();
   EXPECT_LT(bytes, 1U << 20);
   EXPECT_GT(bytes, 1U << 19);
@@ -285,7 +285,7 @@ TEST(Convert, BrokenChunksAreRefused) {
 
 TEST(Convert, FullChunksFitTheDefaultMessageLimit) {
   const SampleSet samples = ManySamples(static_cast<int>(kMaxChunkLength));
-  EXPECT_LT(SampleChunkToProto(samples, 0, SamplesPerChunk(samples)).ByteSizeLong(), 1U << 20);
+  EXPECT_LT(SampleChunkToProto(samples, 0, SamplesPerChunk(samples.attributes)).ByteSizeLong(), 1U << 20);
   EXPECT_LT(SampleMeshChunkToProto(samples, 0, kMaxChunkLength).ByteSizeLong(), 1U << 20);
 }
 

@@ -20,7 +20,7 @@ TestServer::TestServer(SampleFunction sample, ServerOptions options)
     : TestServer(RunWith(std::move(sample)), std::move(options)) {}
 
 TestServer::TestServer(RunDependencies run, ServerOptions options) {
-  options.listen = "127.0.0.1:0";
+  if (options.listen == ServerOptions().listen) options.listen = "127.0.0.1:0";
   auto server = Server::Start(
       options,
       {.run = std::move(run), .new_id = NewUuid, .write_log = [this](const std::string& line) {

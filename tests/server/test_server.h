@@ -15,7 +15,8 @@
 
 namespace ccst::server {
 
-/// A real server on a free port of the loopback interface, with stubs.
+/// A real server with unencrypted stubs, on a free port of the loopback interface unless the
+/// options name another address.
 class TestServer {
  public:
   /// The real clock and log; `sample` samples, and bytes decode to an empty mesh.

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <grpcpp/channel.h>
+
+#include "absl/status/statusor.h"
+
+namespace ccst {
+
+/// How to reach a server. PEM fields hold text, not paths.
+struct Connection {
+  std::string address = {};  ///< HOST:PORT
+  std::string ca = {};       ///< PEM of who vouches for the server; empty: no TLS.
+  std::string certificate =
+      {};                  ///< PEM of this client's certificate chain, where the server wants one.
+  std::string key = {};    ///< PEM of its private key.
+  std::string token = {};  ///< Sent with every call; empty: none.
+  bool insecure = false;   ///< Send the token to other machines without TLS.
+};
+
+/// A channel that connects at first use and brings the token with every call.
+/// @errors INVALID_ARGUMENT OPTION_INVALID  a token for another machine without TLS or `insecure`;
+///         a certificate without key or CA
+absl::StatusOr<std::shared_ptr<grpc::Channel>> OpenChannel(const Connection& connection);
+
+}  // namespace ccst

@@ -1,0 +1,209 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+
+#include "absl/status/status.h"
+#include "core/base/status.h"
+#include "server/base/executor.h"
+#include "server/base/mutex.h"
+#include "server/rpc/call.h"
+#include "server/rpc/rpc_executor.h"
+
+namespace ccst::server {
+
+/// The open streams of a server, so that quiet ones can be told to say that they are alive.
+/// Thread-safe.
+class OpenStreams {
+ public:
+  /// A stream that may have been quiet for long.
+  class Stream {
+   public:
+    virtual ~Stream() = default;
+    virtual void Pulse() = 0;
+  };
+
+  void Add(const std::shared_ptr<Stream>& stream);
+  void Remove(const std::shared_ptr<Stream>& stream);
+  /// Calls Pulse() of all.
+  void PulseAll();
+
+ private:
+  Mutex mutex_;
+  std::set<std::shared_ptr<Stream>> streams_ ABSL_GUARDED_BY(mutex_);
+};
+
+/// What the streams of a server share; outlives them.
+struct StreamSupport {
+  const CallSupport& calls;
+  Executor& executor;  ///< Where messages are made, which may read from the disk.
+  OpenStreams& open;
+};
+
+/// What a stream has to say next.
+enum class StreamStep {
+  kWrite,  ///< A message was filled.
+  kWait,   ///< Nothing new; Pump() when there is.
+  kEnd,    ///< The stream is over.
+};
+
+/// One server-streaming call: makes one message when the last one is written, as fast as the
+/// caller reads, so that a slow one costs one message of memory. Keeps itself alive until gRPC is
+/// done with it and no task of its own is under way. A derived class says what the messages are;
+/// its functions run on the executor, one at a time.
+template <typename Response>
+class StreamReactor : public grpc::ServerWriteReactor<Response>,
+                      public OpenStreams::Stream,
+                      public std::enable_shared_from_this<StreamReactor<Response>> {
+ public:
+  StreamReactor(const StreamSupport& support, const grpc::CallbackServerContext& context,
+                std::string_view method, Scope needed)
+      : support_(support), call_(std::in_place, support.calls, context, method, needed) {}
+
+  /// Makes a reactor of type T and starts it.
+  template <typename T, typename... Args>
+  static T* Make(Args&&... args) {
+    auto reactor = std::make_shared<T>(std::forward<Args>(args)...);
+    T* const started = reactor.get();
+    started->Start();
+    return started;
+  }
+
+  void OnWriteDone(bool ok) final {
+    {
+      MutexLock lock(mutex_);
+      writing_ = false;
+      if (!ok) caller_gone_ = true;
+    }
+    Pump();
+  }
+
+  void OnCancel() final {
+    {
+      MutexLock lock(mutex_);
+      caller_gone_ = true;
+    }
+    OnGone();
+    Pump();
+  }
+
+  void OnDone() final {
+    support_.open.Remove(this->shared_from_this());
+    // What blocks must not run here; the last task lets go of the reactor.
+    Post([this] {
+      Close();
+      MutexLock lock(mutex_);
+      call_.reset();
+    });
+    // Goes at the end of this function, or with the task.
+    const auto self = std::move(self_);
+  }
+
+  void Pulse() final {
+    {
+      MutexLock lock(mutex_);
+      quiet_ = std::exchange(pulsed_, true);
+    }
+    Pump();
+  }
+
+ protected:
+  /// First of all, for an admitted caller; an error ends the call.
+  virtual absl::Status Open(Call& call) = 0;
+  /// The next message, into a cleared `message`.
+  virtual StreamStep Next(Response& message) = 0;
+  /// How a stream that is over ends.
+  virtual absl::Status end_status() { return absl::OkStatus(); }
+  /// A message that says no more than that the stream is alive; false when there is none.
+  virtual bool MakeHeartbeat(Response& /*message*/) { return false; }
+  /// True for a message that others follow at once.
+  virtual bool MoreFollows(const Response& /*message*/) { return false; }
+  /// The caller went away; on any thread, must not block.
+  virtual void OnGone() {}
+  /// Last of all; Open() may have failed or never have run.
+  virtual void Close() {}
+
+  /// There may be something new to say; on any thread, does not block.
+  void Pump() {
+    Post([this] { WriteNext(); });
+  }
+
+  Call& call() { return *call_; }
+
+ private:
+  void Start() {
+    self_ = this->shared_from_this();
+    support_.open.Add(self_);
+    Post([this] {
+      absl::Status status = call_->admission();
+      if (status.ok()) status = RunStep([this] { return Open(*call_); });
+      {
+        MutexLock lock(mutex_);
+        opened_ = true;
+        if (!status.ok()) FinishWith(status);
+      }
+      WriteNext();
+    });
+  }
+
+  void Post(std::function<void()> task) {
+    auto run = [self = this->shared_from_this(), task = std::move(task)] { task(); };
+    if (!support_.executor.Run(run)) run();
+  }
+
+  void WriteNext() {
+    MutexLock lock(mutex_);
+    if (!opened_ || writing_ || finished_) return;
+    if (caller_gone_) {
+      FinishWith(MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled,
+                           "the caller went away or its deadline passed"));
+      return;
+    }
+    StreamStep step = StreamStep::kEnd;
+    message_.Clear();
+    const absl::Status status = RunStep([&] {
+      step = Next(message_);
+      return absl::OkStatus();
+    });
+    if (!status.ok() || step == StreamStep::kEnd) {
+      FinishWith(status.ok() ? end_status() : status);
+      return;
+    }
+    if (step == StreamStep::kWait && !(std::exchange(quiet_, false) && MakeHeartbeat(message_))) {
+      return;
+    }
+    grpc::WriteOptions options;
+    if (MoreFollows(message_)) options.set_buffer_hint();
+    writing_ = true;
+    pulsed_ = false;
+    call_->Sent(message_);
+    this->StartWrite(&message_, options);
+  }
+
+  void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (std::exchange(finished_, true)) return;
+    this->Finish(call_->End(status));
+  }
+
+  const StreamSupport support_;
+  std::shared_ptr<StreamReactor> self_;
+
+  Mutex mutex_;
+  std::optional<Call> call_;
+  Response message_;  // The one being written.
+  bool opened_ ABSL_GUARDED_BY(mutex_) = false;
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool caller_gone_ ABSL_GUARDED_BY(mutex_) = false;
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+  bool pulsed_ ABSL_GUARDED_BY(mutex_) = false;  // Since the last message.
+  bool quiet_ ABSL_GUARDED_BY(mutex_) = false;   // For a whole pulse.
+};
+
+}  // namespace ccst::server
