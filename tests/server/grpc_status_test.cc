@@ -33,7 +33,8 @@ TEST(ToGrpcStatus, DetailsRepeatCodeAndMessage) {
 }
 
 TEST(ToGrpcStatus, WhatMayWorkLaterSaysWhen) {
-  for (const auto reason : {ErrorReason::kQueueFull, ErrorReason::kDraining}) {
+  for (const auto reason : {ErrorReason::kQueueFull, ErrorReason::kDraining,
+                            ErrorReason::kQuotaExceeded, ErrorReason::kStorageFull}) {
     v1::RetryAdvice advice;
     EXPECT_TRUE(Unpack(
         Details(ToGrpcStatus(MakeError(absl::StatusCode::kUnavailable, reason, "later"))), advice));

@@ -75,7 +75,6 @@ TEST_F(MeshStores, BytesThatAreNoMeshAreRefusedAndNothingStays) {
 TEST_F(MeshStores, BytesOfAnotherOwnerStayWhenTheyAreRefusedHere) {
   const std::string bytes = CubeBytes();
   ASSERT_TRUE(Upload("ann", bytes).ok());
-  options_.max_stored_bytes = 1;
   BlobPins pins(*store_);
   MeshStore tight(
       *store_, pins, options_,
