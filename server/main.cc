@@ -7,6 +7,7 @@
 #include "server/app/command_line.h"
 #include "server/app/server.h"
 #include "server/app/signals.h"
+#include "server/app/transport_log.h"
 
 namespace {
 
@@ -23,6 +24,7 @@ int Run(int argc, char** argv) {
   const auto command = ParseCommandLine(argc, argv);
   if (const auto* done = std::get_if<Done>(&command)) return done->exit_code;
   const auto& options = std::get<ServerOptions>(command);
+  ccst::server::LogTransportErrors(options.log_format);
   Signals signals;
   auto server = Server::Start(options, Server::RealDependencies(options));
   if (!server.ok()) {

@@ -11,13 +11,12 @@ namespace ccst {
 
 /// How to reach a server. PEM fields hold text, not paths.
 struct Connection {
-  std::string address = {};  ///< HOST:PORT
-  std::string ca = {};       ///< PEM of who vouches for the server; empty: no TLS.
-  std::string certificate =
-      {};                  ///< PEM of this client's certificate chain, where the server wants one.
-  std::string key = {};    ///< PEM of its private key.
-  std::string token = {};  ///< Sent with every call; empty: none.
-  bool insecure = false;   ///< Send the token to other machines without TLS.
+  std::string address = {};      ///< HOST:PORT
+  std::string ca = {};           ///< PEM of who vouches for the server; empty: no TLS.
+  std::string certificate = {};  ///< PEM of this client's chain, where the server wants one.
+  std::string key = {};          ///< PEM of its private key.
+  std::string token = {};        ///< Sent with every call; empty: none.
+  bool insecure = false;         ///< Send the token to other machines without TLS.
 };
 
 /// A channel that connects at first use and brings the token with every call.

@@ -58,13 +58,16 @@ class Flags {
   void ReadFile(const std::string& path) {
     std::set<std::string> seen;
     for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_file(path)) {
+      if (item.name == "++" || item.name == "--") continue;  // Where a section begins and ends.
       const std::string name = item.fullname();
       if (settings_.count(name) == 0) {
         throw CLI::ConfigError("--config: no such key: " + name +
                                "; the keys are the flags without dashes");
       }
-      if (!seen.insert(name).second)
-        throw CLI::ConfigError("--config: " + name + " is there twice");
+      // Lines that follow each other with the same key arrive as one of two values.
+      if (!seen.insert(name).second || item.inputs.size() != 1) {
+        throw CLI::ConfigError("--config: " + name + " must have one value");
+      }
       CLI::Option& option = *app_.get_option("--" + name);
       if (option.count() > 0) continue;
       option.add_result(item.inputs);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <utility>
 
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
@@ -78,10 +77,7 @@ class WithoutReflection final : public grpc::ServerBuilderOption {
 Server::Dependencies Server::RealDependencies(const ServerOptions& options) {
   return {.run = RealRunDependencies(SystemClock(), options.mesh_limits),
           .new_id = NewUuid,
-          .write_log = [](const std::string& line) {
-            std::fprintf(stderr, "%s\n", line.c_str());
-            std::fflush(stderr);
-          }};
+          .write_log = WriteToStandardError};
 }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options,

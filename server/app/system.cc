@@ -25,6 +25,11 @@ Clock SystemClock() {
               }};
 }
 
+void WriteToStandardError(const std::string& line) {
+  std::fprintf(stderr, "%s\n", line.c_str());
+  std::fflush(stderr);
+}
+
 std::string NewUuid() {
   std::random_device device;
   std::array<std::uint32_t, 4> words;

@@ -13,6 +13,9 @@ namespace ccst::server {
 /// The machine's clocks.
 Clock SystemClock();
 
+/// Writes a line of the log, whole and at once.
+void WriteToStandardError(const std::string& line);
+
 /// A random (version 4) UUID.
 std::string NewUuid();
 

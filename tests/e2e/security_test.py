@@ -93,10 +93,14 @@ class Security(unittest.TestCase):
     def test_mutual_tls_needs_both_certificates(self):
         certificate, key = self.certificate("server")
         client, client_key = self.certificate("client")
-        server = self.serve("--tls-cert", certificate, "--tls-key", key, "--tls-client-ca", client)
+        server = self.serve("--tls-cert", certificate, "--tls-key", key, "--tls-client-ca", client,
+                            "--log-format", "json")
         info = [CCST, "info", "--server", server.address, "--tls-ca", certificate]
         self.assertEqual(run(*info).returncode, 5)
         self.assertEqual(run(*info, "--tls-cert", client, "--tls-key", client_key).returncode, 0)
+        self.assertEqual(server.stop(), 0)
+        messages = [json.loads(line).get("message", "") for line in server.log().splitlines()]
+        self.assertTrue(any("did not return a certificate" in m for m in messages), messages)
 
     def test_token_does_not_leave_the_machine_unencrypted(self):
         info = run(CCST, "info", "--server", "192.0.2.1:1", CCST_TOKEN="ccst_secret")

@@ -96,7 +96,11 @@ TEST_F(CommandLineTest, WrongFileIsAnErrorThatNamesTheKey) {
   };
   EXPECT_NE(errors("thread = 2\n").find("no such key: thread;"), std::string::npos);
   EXPECT_NE(errors("[server]\nthreads = 2\n").find("server.threads"), std::string::npos);
-  EXPECT_NE(errors("threads = 2\nthreads = 3\n").find("threads is there twice"), std::string::npos);
+  for (const char* text :
+       {"threads = 2\nthreads = 3\n", "threads = 2\nlisten = \"[::1]:0\"\nthreads = 2\n",
+        "threads = [2, 3]\n"}) {
+    EXPECT_NE(errors(text).find("threads must have one value"), std::string::npos) << text;
+  }
   EXPECT_NE(errors("threads = \"two\"\n").find("--threads"), std::string::npos);
   EXPECT_NE(errors("config = \"x\"\n").find("no such key: config;"), std::string::npos);
   const Outcome missing = Parse({"--config", folder_.Path("none")});
