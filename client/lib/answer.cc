@@ -50,6 +50,7 @@ absl::Status Answer::Take(const v1::SampleResponse& message) {
     }
     case v1::SampleResponse::kSampleMesh:
       return AsDataLoss(AppendChunk(message.sample_mesh(), samples_));
+    case v1::SampleResponse::kHeartbeat:
     case v1::SampleResponse::EVENT_NOT_SET:
       break;
   }

@@ -40,6 +40,12 @@ SamplingOptions Options(bool has_options, const v1::SamplingOptions& options,
 
 }  // namespace
 
+void CheckPreview(int count, Violations& violations) {
+  if (count >= 0 && count <= kMaxPreviewSampleCount) return;
+  violations.Add("preview_sample_count", "is " + std::to_string(count) + ", must be in [0, " +
+                                             std::to_string(kMaxPreviewSampleCount) + "]");
+}
+
 std::map<std::string, std::string> LabelsFromProto(
     const google::protobuf::Map<std::string, std::string>& labels, const std::string& path,
     Violations& violations) {
