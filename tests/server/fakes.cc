@@ -66,7 +66,9 @@ SampleFunction GatedSampler(Gate& started, Gate& go) {
 
 RunDependencies FakeDependencies(SampleFunction sample) {
   auto ticks = std::make_shared<std::atomic<int>>(0);
-  return {.decode = [](std::span<const char>, const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
+  return {.count = [](std::span<const char>, std::int64_t,
+                      const MeshLimits&) -> absl::StatusOr<MeshCounts> { return MeshCounts(); },
+          .decode = [](std::span<const char>, const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
             return TriangleMesh();
           },
           .decode_image = [](std::span<const char>) -> absl::StatusOr<Image> { return Image(); },
@@ -74,7 +76,19 @@ RunDependencies FakeDependencies(SampleFunction sample) {
           .digest = [](const SampleSet&) { return std::string("digest"); },
           .clock = {.now = [] { return absl::FromUnixSeconds(1'700'000'000); },
                     .seconds = [ticks] { return static_cast<double>(++*ticks); }},
-          .mesh_limits = {}};
+          .mesh_limits = {},
+          .threads_per_job = 1};
+}
+
+Job::Post PostNow() {
+  return [](std::function<void()> task) { task(); };
+}
+
+RunInputs FakeInputs(Executor& decoders, JobObserver& observer) {
+  return {.load = [](const std::string&) -> absl::StatusOr<std::string> { return "mesh"; },
+          .decoders = decoders,
+          .grant = nullptr,
+          .observer = observer};
 }
 
 std::function<std::string()> CountingIds() {

@@ -44,6 +44,12 @@ SampleFunction GatedSampler(Gate& started, Gate& go);
 /// `digest`.
 RunDependencies FakeDependencies(SampleFunction sample);
 
+/// Carries news to watchers at once.
+Job::Post PostNow();
+
+/// Any digest loads as `mesh`.
+RunInputs FakeInputs(Executor& decoders, JobObserver& observer);
+
 /// Ids `1`, `2`, ...
 std::function<std::string()> CountingIds();
 

@@ -14,21 +14,28 @@ namespace ccst::server {
 namespace {
 
 TEST(JobMessages, EveryFieldIsFilled) {
+  JobSpec spec;
+  spec.display_name = "bunny";
+  spec.labels = {{"team", "scatter"}};
+  spec.mesh_sha256 = "00";
+  spec.texture_sha256 = "11";
+  spec.options.sample_count = 10;
+  spec.origin = Eigen::Vector3d(1, 2, 3);
   JobView view;
-  view.name = "jobs/1";
-  view.options.sample_count = 10;
+  view.cached = true;
   view.state = JobState::kSucceeded;
   view.queue_position = 3;
   view.phase = Phase::kRelaxing;
   view.last_report = AlternationReport();
   view.error = absl::InternalError("bug");
   auto result = std::make_shared<JobResult>();
-  result->run = MakeResult(10);
+  result->sample_count = 10;
   view.result = std::move(result);
   view.create_time = absl::FromUnixSeconds(1'000'000'000) + absl::Nanoseconds(7);
   view.start_time = view.create_time;
   view.end_time = view.create_time;
-  const v1::Job job = ToProto(view, Eigen::Vector3d(1, 2, 3));
+  view.expire_time = view.create_time;
+  const v1::Job job = ToProto("1", spec, view);
   // A field that is added to Job and not to ToProto fails here.
   std::vector<const google::protobuf::FieldDescriptor*> set;
   job.GetReflection()->ListFields(job, &set);

@@ -1,6 +1,9 @@
 #include "server/jobs/job_runner.h"
 
+#include <atomic>
 #include <memory>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -11,35 +14,78 @@
 namespace ccst::server {
 namespace {
 
-JobSpec Spec(std::string mesh = "mesh") {
-  JobSpec spec;
-  spec.mesh = std::move(mesh);
-  spec.options.sample_count = 10;
-  return spec;
-}
+// Runs of jobs that wait for `go`, or for being stopped.
+class Jobs {
+ public:
+  std::shared_ptr<Job> Make(const std::string& share = "a", bool ends_with_caller = true) {
+    JobSpec spec;
+    spec.share = share;
+    spec.ends_with_caller = ends_with_caller;
+    spec.options.sample_count = 10;
+    return std::make_shared<Job>(std::to_string(++last_), spec, clock_, PostNow());
+  }
+
+  JobRunner::Run Run(Gate& started, Gate& go) {
+    return [&started, &go, this](const std::shared_ptr<Job>& job, std::shared_ptr<void>) {
+      {
+        const std::lock_guard lock(mutex_);
+        order_.push_back(job->spec().share);
+      }
+      started.Open();
+      absl::StatusOr<JobResult> outcome = JobResult();
+      if (!go.WaitOrStop(job->stop_token())) outcome = absl::CancelledError("stopped");
+      job->Publish(job->Seal(std::move(outcome)));
+    };
+  }
+
+  std::vector<std::string> order() {
+    const std::lock_guard lock(mutex_);
+    return order_;
+  }
+
+ private:
+  const Clock clock_ = FakeDependencies(nullptr).clock;
+  int last_ = 0;
+  std::mutex mutex_;
+  std::vector<std::string> order_;
+};
 
 // One worker that a first job keeps busy until `go`.
 class BusyRunner : public testing::Test {
  protected:
-  void Occupy(int queued, std::int64_t bytes = 1 << 20) {
-    runner_ = std::make_unique<JobRunner>(
-        RunnerOptions{.max_running_jobs = 1, .max_queued_jobs = queued, .max_queued_bytes = bytes},
-        FakeDependencies(GatedSampler(started_, go_)), CountingIds());
-    first_ = *runner_->Submit(Spec());
+  void Occupy(int queued, int queued_per_caller = 100, std::int64_t memory = 100) {
+    budget_ = std::make_shared<MemoryBudget>(memory);
+    runner_ =
+        std::make_unique<JobRunner>(RunnerOptions{.max_running_jobs = 1,
+                                                  .max_queued_jobs = queued,
+                                                  .max_queued_jobs_per_caller = queued_per_caller},
+                                    budget_, jobs_.Run(started_, go_));
+    first_ = Add("first");
     started_.Wait();
   }
 
+  std::shared_ptr<Job> Add(const std::string& share = "a", bool ends_with_caller = true,
+                           std::int64_t memory = 1) {
+    auto place = runner_->Reserve(share);
+    EXPECT_TRUE(place.ok()) << place.status();
+    auto job = jobs_.Make(share, ends_with_caller);
+    runner_->Enqueue(*std::move(place), job, memory);
+    return job;
+  }
+
+  Jobs jobs_;
   Gate started_;
   Gate go_;
+  std::shared_ptr<MemoryBudget> budget_;
   std::unique_ptr<JobRunner> runner_;
   std::shared_ptr<Job> first_;
 };
 
 TEST_F(BusyRunner, WaitingJobsKnowTheirPosition) {
   Occupy(3);
-  const auto a = *runner_->Submit(Spec());
-  const auto b = *runner_->Submit(Spec());
-  const auto c = *runner_->Submit(Spec());
+  const auto a = Add();
+  const auto b = Add();
+  const auto c = Add();
   EXPECT_EQ(a->View().queue_position, 0);
   EXPECT_EQ(c->View().queue_position, 2);
   EXPECT_EQ(runner_->Load().queued, 3);
@@ -48,65 +94,68 @@ TEST_F(BusyRunner, WaitingJobsKnowTheirPosition) {
   EXPECT_EQ(a->View().state, JobState::kCancelled);
   EXPECT_EQ(b->View().queue_position, 0);
   EXPECT_EQ(c->View().queue_position, 1);
+  go_.Open();
 }
 
 TEST_F(BusyRunner, FullQueueRefusesUntilAPlaceIsFree) {
   Occupy(1);
-  const auto waiting = *runner_->Submit(Spec());
-  const auto refused = runner_->Submit(Spec());
+  const auto waiting = Add();
+  const auto refused = runner_->Reserve("b");
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(GetErrorReason(refused.status()), ErrorReason::kQueueFull);
-  runner_->Release(*waiting);
-  EXPECT_TRUE(runner_->Submit(Spec()).ok());
-}
-
-TEST_F(BusyRunner, WaitingBytesAreBounded) {
-  Occupy(10, 10);
-  ASSERT_TRUE(runner_->Submit(Spec("123456")).ok());
-  EXPECT_EQ(GetErrorReason(runner_->Submit(Spec("123456")).status()), ErrorReason::kQueueFull);
-  EXPECT_TRUE(runner_->Submit(Spec("1234")).ok());
-}
-
-TEST_F(BusyRunner, UnreadResultsKeepTheirPlace) {
-  Occupy(0);
+  runner_->Cancel(*waiting, StopCause::kCaller);
+  EXPECT_TRUE(runner_->Reserve("b").ok());
   go_.Open();
-  EXPECT_FALSE(runner_->WaitUntilIdle(absl::ZeroDuration()));
-  EXPECT_EQ(GetErrorReason(runner_->Submit(Spec()).status()), ErrorReason::kQueueFull);
-  runner_->Release(*first_);
-  EXPECT_TRUE(runner_->WaitUntilIdle(absl::InfiniteDuration()));
-  EXPECT_TRUE(runner_->Submit(Spec()).ok());
 }
 
-TEST_F(BusyRunner, DrainingRefusesNewJobsAndFinishesOldOnes) {
-  Occupy(2);
-  const auto waiting = *runner_->Submit(Spec());
+TEST_F(BusyRunner, UnusedPlacesAreGivenBack) {
+  Occupy(1);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(runner_->Reserve("a").ok());
+  const auto held = runner_->Reserve("a");
+  EXPECT_FALSE(runner_->Reserve("b").ok());
+  go_.Open();
+}
+
+TEST_F(BusyRunner, OneCallerCannotTakeAllPlaces) {
+  Occupy(10, 2);
+  for (int i = 0; i < 3; ++i) Add("greedy");
+  EXPECT_EQ(GetErrorReason(runner_->Reserve("greedy").status()), ErrorReason::kQuotaExceeded);
+  EXPECT_TRUE(runner_->Reserve("other").ok());
+  go_.Open();
+}
+
+TEST_F(BusyRunner, CallersTakeTurns) {
+  Occupy(20);
+  for (int i = 0; i < 5; ++i) Add("many");
+  Add("few");
+  const auto last = Add("few");
+  EXPECT_EQ(last->View().queue_position, 3);
+  go_.Open();
+  EXPECT_TRUE(runner_->WaitUntilIdle(absl::InfiniteDuration()));
+  EXPECT_EQ(jobs_.order(), (std::vector<std::string>{"first", "many", "few", "many", "few", "many",
+                                                     "many", "many"}));
+}
+
+TEST_F(BusyRunner, DrainingFinishesCallersJobsAndPutsOthersBack) {
+  Occupy(3);
+  const auto callers = Add("a", true);
+  const auto durable = Add("a", false);
   runner_->StartDraining();
-  const auto refused = runner_->Submit(Spec());
-  EXPECT_EQ(refused.status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(GetErrorReason(refused.status()), ErrorReason::kDraining);
-  Gate ended;
-  waiting->SetWatcher([&] {
-    if (HasEnded(waiting->View().state)) ended.Open();
-  });
+  EXPECT_EQ(GetErrorReason(runner_->Reserve("a").status()), ErrorReason::kDraining);
+  EXPECT_EQ(durable->View().stop_cause, StopCause::kDrain);
   go_.Open();
-  ended.Wait();
-  EXPECT_EQ(first_->View().state, JobState::kSucceeded);
-  EXPECT_EQ(waiting->View().state, JobState::kSucceeded);
-  runner_->Release(*first_);
-  runner_->Release(*waiting);
   EXPECT_TRUE(runner_->WaitUntilIdle(absl::InfiniteDuration()));
+  EXPECT_EQ(first_->View().state, JobState::kSucceeded);
+  EXPECT_EQ(callers->View().state, JobState::kSucceeded);
+  EXPECT_EQ(jobs_.order().size(), 2U);
 }
 
 TEST_F(BusyRunner, StopAllEndsRunningAndWaitingJobs) {
   Occupy(2);
-  const auto waiting = *runner_->Submit(Spec());
-  Gate ended;
-  first_->SetWatcher([&] {
-    if (HasEnded(first_->View().state)) ended.Open();
-  });
+  const auto waiting = Add();
   runner_->StopAll();
-  ended.Wait();
+  EXPECT_TRUE(runner_->WaitUntilIdle(absl::InfiniteDuration()));
   EXPECT_EQ(first_->View().state, JobState::kCancelled);
   EXPECT_EQ(waiting->View().state, JobState::kCancelled);
   EXPECT_EQ(waiting->View().stop_cause, StopCause::kDrain);
@@ -114,46 +163,39 @@ TEST_F(BusyRunner, StopAllEndsRunningAndWaitingJobs) {
 
 TEST_F(BusyRunner, DestructionStopsWhatRuns) {
   Occupy(2);
-  const auto waiting = *runner_->Submit(Spec());
+  const auto waiting = Add();
   runner_.reset();
   EXPECT_TRUE(HasEnded(first_->View().state));
   EXPECT_TRUE(HasEnded(waiting->View().state));
 }
 
-TEST(JobRunner, AtMostSoManyRunAtOnce) {
+TEST(JobRunner, StaysWithinItsWorkersAndItsMemory) {
   std::atomic<int> now = 0;
   std::atomic<int> most = 0;
-  const SampleFunction quick = QuickSampler();
-  JobRunner runner({.max_running_jobs = 3, .max_queued_jobs = 100, .max_queued_bytes = 1 << 20},
-                   FakeDependencies([&](const TriangleMesh& mesh, const SamplingOptions& options,
-                                        const RunControl& run) {
-                     const int current = ++now;
+  const auto budget = std::make_shared<MemoryBudget>(20);
+  Jobs jobs;
+  JobRunner runner({.max_running_jobs = 3, .max_queued_jobs = 100}, budget,
+                   [&](const std::shared_ptr<Job>& job, std::shared_ptr<void> grant) {
                      int seen = most.load();
+                     const int current = ++now;
                      while (current > seen && !most.compare_exchange_weak(seen, current)) {
                      }
-                     auto result = quick(mesh, options, run);
+                     EXPECT_LE(budget->used_bytes(), 20);
+                     std::this_thread::yield();
                      --now;
-                     return result;
-                   }),
-                   CountingIds());
-  std::vector<std::shared_ptr<Job>> jobs;
-  std::vector<std::unique_ptr<Gate>> ended;
+                     grant = nullptr;
+                     job->Publish(job->Seal(JobResult()));
+                   });
+  std::vector<std::shared_ptr<Job>> all;
   for (int i = 0; i < 100; ++i) {
-    jobs.push_back(*runner.Submit(Spec()));
-    Job* job = jobs.back().get();
-    Gate* gate = ended.emplace_back(std::make_unique<Gate>()).get();
-    job->SetWatcher([job, gate] {
-      if (HasEnded(job->View().state)) gate->Open();
-    });
-    if (HasEnded(job->View().state)) gate->Open();
+    all.push_back(jobs.Make());
+    // Two fit at once, three do not.
+    runner.Enqueue(*runner.Reserve("a"), all.back(), 10);
   }
-  for (const auto& gate : ended) gate->Wait();
-  for (const auto& job : jobs) {
-    EXPECT_EQ(job->View().state, JobState::kSucceeded);
-    runner.Release(*job);
-  }
-  EXPECT_LE(most.load(), 3);
   EXPECT_TRUE(runner.WaitUntilIdle(absl::InfiniteDuration()));
+  EXPECT_LE(most.load(), 2);
+  EXPECT_EQ(budget->used_bytes(), 0);
+  for (const auto& job : all) EXPECT_EQ(job->View().state, JobState::kSucceeded);
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 #include "server/jobs/job.h"
 
+#include <memory>
 #include <new>
 #include <stdexcept>
+#include <thread>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -12,21 +15,31 @@
 namespace ccst::server {
 namespace {
 
-JobSpec Spec(std::int64_t count = 10, int preview = 0) {
+JobSpec Spec(std::int64_t count = 10) {
   JobSpec spec;
-  spec.mesh = "mesh";
+  spec.mesh_sha256 = "mesh";
   spec.options.sample_count = count;
-  spec.preview_sample_count = preview;
   return spec;
+}
+
+std::shared_ptr<Job> NewJob(const RunDependencies& dependencies) {
+  return std::make_shared<Job>("1", Spec(), dependencies.clock, PostNow());
+}
+
+// Runs a job that was taken on this thread, and ends it.
+void Run(Job& job, const RunDependencies& dependencies) {
+  Executor decoders(1, 10);
+  SilentJobObserver observer;
+  job.Publish(job.Seal(RunJob(job, dependencies, FakeInputs(decoders, observer))));
 }
 
 // Runs a job with `sample` on this thread.
 JobView RunWith(SampleFunction sample) {
   const RunDependencies dependencies = FakeDependencies(std::move(sample));
-  Job job("jobs/1", Spec(), dependencies.clock);
-  EXPECT_TRUE(job.Take());
-  RunJob(job, dependencies);
-  return job.View();
+  const auto job = NewJob(dependencies);
+  EXPECT_TRUE(job->Take());
+  Run(*job, dependencies);
+  return job->View();
 }
 
 TEST(Job, WholeRunSucceedsWithItsFigures) {
@@ -78,79 +91,131 @@ TEST(Job, StoppingUnaskedIsAFault) {
 
 TEST(Job, CancelBeforeTheRunSkipsIt) {
   const RunDependencies dependencies = FakeDependencies(QuickSampler());
-  Job job("jobs/1", Spec(), dependencies.clock);
-  job.Cancel(StopCause::kCaller);
-  EXPECT_EQ(job.View().state, JobState::kCancelled);
-  EXPECT_FALSE(job.Take());
-  EXPECT_TRUE(job.TakeMesh().empty());
+  const auto job = NewJob(dependencies);
+  job->Cancel(StopCause::kCaller);
+  EXPECT_EQ(job->View().state, JobState::kCancelled);
+  EXPECT_FALSE(job->Take());
 }
 
 TEST(Job, CancelDuringTheRunIsNoticedOnceAndSticks) {
   const RunDependencies dependencies = FakeDependencies(nullptr);
-  Job job("jobs/1", Spec(), dependencies.clock);
+  const auto job = NewJob(dependencies);
   RunDependencies cancelling = dependencies;
   cancelling.sample = [&](const TriangleMesh&, const SamplingOptions&,
                           const RunControl& run) -> absl::StatusOr<SamplingResult> {
-    job.Cancel(StopCause::kCaller);
-    job.Cancel(StopCause::kDrain);
+    job->Cancel(StopCause::kCaller);
+    job->Cancel(StopCause::kDrain);
     EXPECT_TRUE(run.stop.stop_requested());
-    EXPECT_EQ(job.View().state, JobState::kCancelling);
+    EXPECT_EQ(job->View().state, JobState::kCancelling);
     SamplingResult result;
     result.termination = Termination::kStopped;
     return result;
   };
-  ASSERT_TRUE(job.Take());
-  RunJob(job, cancelling);
-  EXPECT_EQ(job.View().state, JobState::kCancelled);
-  EXPECT_EQ(job.View().stop_cause, StopCause::kCaller);
-  job.Cancel(StopCause::kDrain);
-  EXPECT_EQ(job.View().state, JobState::kCancelled);
+  ASSERT_TRUE(job->Take());
+  Run(*job, cancelling);
+  EXPECT_EQ(job->View().state, JobState::kCancelled);
+  EXPECT_EQ(job->View().stop_cause, StopCause::kCaller);
+  job->Cancel(StopCause::kDrain);
+  EXPECT_EQ(job->View().state, JobState::kCancelled);
 }
 
 TEST(Job, RunThatWinsTheRaceAgainstCancelSucceeds) {
   RunDependencies dependencies = FakeDependencies(nullptr);
-  Job job("jobs/1", Spec(), dependencies.clock);
+  const auto job = NewJob(dependencies);
   dependencies.sample = [&](auto&&...) -> absl::StatusOr<SamplingResult> {
-    job.Cancel(StopCause::kCaller);
+    job->Cancel(StopCause::kCaller);
     return MakeResult(10);
   };
-  ASSERT_TRUE(job.Take());
-  RunJob(job, dependencies);
-  EXPECT_EQ(job.View().state, JobState::kSucceeded);
+  ASSERT_TRUE(job->Take());
+  Run(*job, dependencies);
+  EXPECT_EQ(job->View().state, JobState::kSucceeded);
 }
 
 TEST(Job, WatcherHearsOfEveryChangeAndThenOfNone) {
   const RunDependencies dependencies = FakeDependencies(QuickSampler(2));
-  Job job("jobs/1", Spec(), dependencies.clock);
+  const auto job = NewJob(dependencies);
   int calls = 0;
-  job.SetWatcher([&] { ++calls; });
-  job.SetQueuePosition(2);
-  job.SetQueuePosition(2);
+  const auto watcher = *job->AddWatcher([&] { ++calls; }, 0, 1);
+  job->SetQueuePosition(2);
+  job->SetQueuePosition(2);
   EXPECT_EQ(calls, 1);
-  ASSERT_TRUE(job.Take());
-  job.SetWatcher(nullptr);
+  ASSERT_TRUE(job->Take());
+  job->RemoveWatcher(watcher);
   const int before = calls;
-  RunJob(job, dependencies);
+  Run(*job, dependencies);
   EXPECT_EQ(calls, before);
+}
+
+TEST(Job, HasAtMostSoManyWatchers) {
+  const RunDependencies dependencies = FakeDependencies(QuickSampler());
+  const auto job = NewJob(dependencies);
+  const auto first = job->AddWatcher([] {}, 0, 1);
+  ASSERT_TRUE(first.has_value());
+  EXPECT_FALSE(job->AddWatcher([] {}, 0, 1).has_value());
+  EXPECT_EQ(job->UnwatchedSeconds(), 0.0);
+  job->RemoveWatcher(*first);
+  EXPECT_GT(job->UnwatchedSeconds(), 0.0);
+  EXPECT_TRUE(job->AddWatcher([] {}, 0, 1).has_value());
+}
+
+TEST(Job, CancelAfterTheEndWasDecidedChangesNothing) {
+  const RunDependencies dependencies = FakeDependencies(QuickSampler());
+  const auto job = NewJob(dependencies);
+  ASSERT_TRUE(job->Take());
+  JobResult result;
+  JobView end = job->Seal(std::move(result));
+  EXPECT_FALSE(job->Cancel(StopCause::kCaller));
+  EXPECT_EQ(job->View().state, JobState::kRunning);
+  job->Publish(std::move(end));
+  EXPECT_EQ(job->View().state, JobState::kSucceeded);
+}
+
+TEST(Job, StopDuringDecodingLeavesTheDecoderBehind) {
+  Gate decoding;
+  Gate go;
+  RunDependencies dependencies = FakeDependencies(QuickSampler());
+  dependencies.decode = [&](std::span<const char>,
+                            const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
+    decoding.Open();
+    go.Wait();
+    return TriangleMesh();
+  };
+  const auto job = NewJob(dependencies);
+  ASSERT_TRUE(job->Take());
+  Executor decoders(1, 10);
+  SilentJobObserver observer;
+  auto grant = std::make_shared<int>(0);
+  RunInputs inputs = FakeInputs(decoders, observer);
+  inputs.grant = grant;
+  std::jthread canceller([&] {
+    decoding.Wait();
+    job->Cancel(StopCause::kCaller);
+  });
+  EXPECT_TRUE(absl::IsCancelled(RunJob(*job, dependencies, inputs).status()));
+  inputs.grant = nullptr;
+  EXPECT_GT(grant.use_count(), 1) << "what is left behind must count as memory in use";
+  go.Open();
 }
 
 TEST(Job, PreviewIsThinnedOutAndTheLatest) {
   const RunDependencies dependencies = FakeDependencies(nullptr);
-  Job job("jobs/1", Spec(10, 4), dependencies.clock);
-  ASSERT_TRUE(job.Take());
+  const auto job = NewJob(dependencies);
+  job->AddWatcher([] {}, 3, 2);
+  job->AddWatcher([] {}, 4, 2);
+  ASSERT_TRUE(job->Take());
   const SamplingResult result = MakeResult(10);
   for (int i = 1; i <= 3; ++i) {
     AlternationReport report;
     report.alternation = i;
     report.positions = result.samples.positions;
-    job.AddReport(report);
+    job->AddReport(report);
   }
-  ASSERT_NE(job.Preview(), nullptr);
-  EXPECT_EQ(job.Preview()->alternation, 3);
-  ASSERT_EQ(job.Preview()->positions.size(), 12U);
-  EXPECT_EQ(job.Preview()->positions[3], 2.0F);
-  EXPECT_EQ(job.Report(2)->alternation, 3);
-  EXPECT_FALSE(job.Report(3).has_value());
+  ASSERT_NE(job->Preview(), nullptr);
+  EXPECT_EQ(job->Preview()->alternation, 3);
+  ASSERT_EQ(job->Preview()->positions.size(), 12U);
+  EXPECT_EQ(job->Preview()->positions[3], 2.0F);
+  EXPECT_EQ(job->Report(2)->alternation, 3);
+  EXPECT_FALSE(job->Report(3).has_value());
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ TestServer::TestServer(SampleFunction sample, ServerOptions options)
 
 TestServer::TestServer(RunDependencies run, ServerOptions options) {
   if (options.listen == ServerOptions().listen) options.listen = "127.0.0.1:0";
+  if (options.data_dir.empty()) options.data_dir = folder_.Path("data");
   auto server = Server::Start(
       options,
       {.run = std::move(run), .new_id = NewUuid, .write_log = [this](const std::string& line) {
@@ -31,6 +32,7 @@ TestServer::TestServer(RunDependencies run, ServerOptions options) {
   server_ = *std::move(server);
   channel_ = NewChannel();
   sampling_ = v1::SamplingService::NewStub(channel_);
+  meshes_ = v1::MeshService::NewStub(channel_);
   info_ = v1::ServerInfoService::NewStub(channel_);
 }
 
@@ -52,6 +54,7 @@ v1::SampleRequest Request(std::int64_t count) {
   request.mutable_inline_mesh()->set_format(v1::MESH_FORMAT_DRACO);
   request.mutable_inline_mesh()->set_data("mesh");
   request.mutable_options()->set_sample_count(count);
+  request.set_skip_cache_lookup(true);
   return request;
 }
 

@@ -8,10 +8,12 @@
 #include <grpcpp/channel.h>
 
 #include "ccst/v1/error.pb.h"
+#include "ccst/v1/mesh_service.grpc.pb.h"
 #include "ccst/v1/sampling_service.grpc.pb.h"
 #include "ccst/v1/server_info_service.grpc.pb.h"
 #include "server/app/server.h"
 #include "tests/server/fakes.h"
+#include "tests/server/temp_folder.h"
 
 namespace ccst::server {
 
@@ -30,23 +32,26 @@ class TestServer {
   std::shared_ptr<grpc::Channel> NewChannel() const;
   v1::SamplingService::Stub& sampling() { return *sampling_; }
   v1::ServerInfoService::Stub& info() { return *info_; }
+  v1::MeshService::Stub& meshes() { return *meshes_; }
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
 
   std::vector<std::string> LogLines();
 
  private:
+  TempFolder folder_;
   std::mutex mutex_;
   std::vector<std::string> log_;
   std::unique_ptr<Server> server_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::SamplingService::Stub> sampling_;
   std::unique_ptr<v1::ServerInfoService::Stub> info_;
+  std::unique_ptr<v1::MeshService::Stub> meshes_;
 };
 
 /// The real clock with fakes otherwise.
 RunDependencies RunWith(SampleFunction sample);
 
-/// A right request for `count` samples.
+/// A right request for `count` samples, never answered from the cache.
 v1::SampleRequest Request(std::int64_t count = 10);
 
 /// The whole answer to a call.
