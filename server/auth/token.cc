@@ -90,9 +90,10 @@ absl::StatusOr<std::vector<TokenEntry>> ParseTokens(std::string_view text) {
     const auto hash = HashFromHex(words[2]);
     if (!hash.has_value()) return LineError(number, "the hash is not of 64 hexadecimal digits");
     if (!seen.insert(*hash).second) return LineError(number, "the token is there twice");
-    entries.push_back(
-        {.caller = {.owner = words[0], .scope = is_full ? Scope::kFull : Scope::kReadOnly},
-         .hash = *hash});
+    entries.push_back({.caller = {.owner = words[0],
+                                  .scope = is_full ? Scope::kFull : Scope::kReadOnly,
+                                  .known = true},
+                       .hash = *hash});
   }
   return entries;
 }

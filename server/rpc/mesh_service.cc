@@ -91,9 +91,9 @@ grpc::ServerUnaryReactor* MeshService::CreateMesh(grpc::CallbackServerContext* c
                                                   v1::CreateMeshResponse* response) {
   return ServeUnaryOn(support_.decoding, support_.calls, *context, "CreateMesh", Scope::kFull,
                       *request, *response, [this, request, response](Call& call) {
-                        return WithQuota(Create(support_, call.caller().visible_owner(), *request, *response),
-                                         support_.meshes.options(),
-                                         request->header().digest().size_bytes());
+                        return WithQuota(
+                            Create(support_, call.caller().visible_owner(), *request, *response),
+                            support_.meshes.options(), request->header().digest().size_bytes());
                       });
 }
 
@@ -105,8 +105,8 @@ grpc::ServerUnaryReactor* MeshService::GetMesh(grpc::CallbackServerContext* cont
                         std::string sha256;
                         CCST_ASSIGN_OR_RETURN(sha256, Sha256FromName(request->name()));
                         StoredMesh mesh;
-                        CCST_ASSIGN_OR_RETURN(mesh,
-                                              support_.meshes.Get(call.caller().visible_owner(), sha256));
+                        CCST_ASSIGN_OR_RETURN(
+                            mesh, support_.meshes.Get(call.caller().visible_owner(), sha256));
                         *response->mutable_mesh() = ToProto(mesh);
                         return absl::OkStatus();
                       });
@@ -117,7 +117,8 @@ grpc::ServerUnaryReactor* MeshService::ListMeshes(grpc::CallbackServerContext* c
                                                   v1::ListMeshesResponse* response) {
   return ServeUnaryOn(support_.disk, support_.calls, *context, "ListMeshes", Scope::kReadOnly,
                       *request, *response, [this, request, response](Call& call) {
-                        return List(support_.meshes, call.caller().visible_owner(), *request, *response);
+                        return List(support_.meshes, call.caller().visible_owner(), *request,
+                                    *response);
                       });
 }
 
