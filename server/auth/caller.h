@@ -15,7 +15,8 @@ enum class Scope {
 struct Caller {
   std::string owner;  ///< Printable ASCII without spaces, at most 128 bytes.
   Scope scope = Scope::kFull;
-  bool known = false;  ///< By a token; otherwise `owner` is only what the connection is called.
+  bool known = false;  ///< By a token or a certificate; otherwise `owner` is only what the
+                       ///< connection is called.
 
   /// Whose jobs and meshes the caller sees: its own, or, where callers are not known, everybody's.
   std::string visible_owner() const { return known ? owner : std::string(); }

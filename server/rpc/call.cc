@@ -20,11 +20,16 @@ std::string_view Metadata(const grpc::CallbackServerContext& context, const char
   return {found->second.data(), found->second.size()};
 }
 
+bool HasCertificate(const grpc::CallbackServerContext& context) {
+  const auto auth = context.auth_context();
+  return auth != nullptr && auth->IsPeerAuthenticated();
+}
+
 // The name in the peer's certificate, else its address without the port: a port is another one
 // with every connection. `ipv4:10.0.0.1:4711` is `10.0.0.1`, `ipv6:%5B::1%5D:4711` is `[::1]`.
 std::string PeerName(const grpc::CallbackServerContext& context) {
-  const auto auth = context.auth_context();
-  if (auth != nullptr && auth->IsPeerAuthenticated()) {
+  if (HasCertificate(context)) {
+    const auto auth = context.auth_context();
     const auto names = auth->GetPeerIdentity();
     if (!names.empty()) return std::string(names.front().data(), names.front().size());
   }
@@ -71,6 +76,7 @@ Call::Call(const CallSupport& support, const grpc::CallbackServerContext& contex
   auto caller = support_.authenticator.Authenticate(Metadata(context, "authorization"), peer);
   if (caller.ok()) {
     caller_ = *std::move(caller);
+    caller_.known = caller_.known || HasCertificate(context);
     admission_ = CheckScope(caller_, needed);
   } else {
     caller_ = {.owner = Printable(peer), .scope = Scope::kReadOnly};

@@ -56,6 +56,8 @@ class JobManagerTest : public testing::Test {
     return (*jobs_->Find("", id))->View();
   }
 
+  Gate started_;
+  Gate never_;
   TempFolder folder_;
   absl::Time now_ = absl::FromUnixSeconds(1'700'000'000);
   std::function<std::string()> ids_ = CountingIds();
@@ -86,35 +88,29 @@ TEST_F(JobManagerTest, EndedJobsAreReadBackAfterARestart) {
 }
 
 TEST_F(JobManagerTest, UnfinishedJobsAreRunByTheNextStart) {
-  Gate started;
-  Gate never;
-  Start(GatedSampler(started, never));
+  Start(GatedSampler(started_, never_));
   const std::string running = Create(Spec(1))->id();
   const std::string waiting = Create(Spec(2))->id();
-  started.Wait();
+  started_.Wait();
   Start(QuickSampler());
   EXPECT_EQ(Finish(running).state, JobState::kSucceeded);
   EXPECT_EQ(Finish(waiting).state, JobState::kSucceeded);
 }
 
 TEST_F(JobManagerTest, JobsOfCallersEndWithTheServer) {
-  Gate started;
-  Gate never;
-  Start(GatedSampler(started, never));
+  Start(GatedSampler(started_, never_));
   JobSpec spec = Spec();
   spec.ends_with_caller = true;
   const std::string id = Create(spec)->id();
-  started.Wait();
+  started_.Wait();
   Start(QuickSampler());
   EXPECT_EQ(Finish(id).state, JobState::kCancelled);
 }
 
 TEST_F(JobManagerTest, CancelledJobsStayCancelled) {
-  Gate started;
-  Gate never;
-  Start(GatedSampler(started, never));
+  Start(GatedSampler(started_, never_));
   const auto running = Create(Spec(1));
-  started.Wait();
+  started_.Wait();
   const auto waiting = Create(Spec(2));
   ASSERT_TRUE(jobs_->Cancel(running, StopCause::kCaller).ok());
   ASSERT_TRUE(jobs_->Cancel(waiting, StopCause::kCaller).ok());
@@ -203,9 +199,7 @@ TEST_F(JobManagerTest, ExpiredJobsGoWithTheirSamplesAndMeshes) {
 }
 
 TEST_F(JobManagerTest, UnwatchedJobIsAbandonedWhenItAskedForThat) {
-  Gate started;
-  Gate never;
-  Start(GatedSampler(started, never));
+  Start(GatedSampler(started_, never_));
   JobSpec spec = Spec();
   spec.abandon_seconds = 1e6;
   const auto patient = Create(spec);
@@ -218,11 +212,9 @@ TEST_F(JobManagerTest, UnwatchedJobIsAbandonedWhenItAskedForThat) {
 }
 
 TEST_F(JobManagerTest, DrainPutsRunningJobsBack) {
-  Gate started;
-  Gate never;
-  Start(GatedSampler(started, never));
+  Start(GatedSampler(started_, never_));
   const auto job = Create(Spec());
-  started.Wait();
+  started_.Wait();
   jobs_->StartDraining();
   EXPECT_EQ(GetErrorReason(jobs_->Create(Spec(1)).status()), ErrorReason::kDraining);
   jobs_->StopAll();
@@ -233,17 +225,16 @@ TEST_F(JobManagerTest, DrainPutsRunningJobsBack) {
 }
 
 TEST_F(JobManagerTest, ListsByStateWhatRunsApartFromWhatWaits) {
-  Gate started;
-  Gate never;
-  Start(GatedSampler(started, never));
+  Start(GatedSampler(started_, never_));
   const std::string running = Create(Spec(1))->id();
-  started.Wait();
+  started_.Wait();
   const std::string waiting = Create(Spec(2))->id();
   const auto ids = [&](JobState state) {
     JobFilter filter;
     filter.states = {state};
     std::vector<std::string> found;
-    for (const JobSummary& job : jobs_->List(filter, 10, "")->records) found.push_back(job.id);
+    const auto page = jobs_->List(filter, 10, "");
+    for (const JobSummary& job : page->records) found.push_back(job.id);
     return found;
   };
   EXPECT_EQ(ids(JobState::kRunning), std::vector<std::string>{running});

@@ -140,7 +140,7 @@ TEST_F(JobService, WrongNamesAreInvalidAndUnknownOnesNotFound) {
   for (const auto& [name, code] :
        {std::pair(std::string("meshes/1"), grpc::StatusCode::INVALID_ARGUMENT),
         std::pair(std::string("jobs/"), grpc::StatusCode::INVALID_ARGUMENT),
-        std::pair("jobs/" + std::string(100, 'x'), grpc::StatusCode::INVALID_ARGUMENT),
+        std::pair(std::string("jobs/").append(100, 'x'), grpc::StatusCode::INVALID_ARGUMENT),
         std::pair(std::string("jobs/../../etc/passwd"), grpc::StatusCode::NOT_FOUND)}) {
     v1::GetJobRequest request;
     request.set_name(name);

@@ -13,8 +13,8 @@ namespace {
 // Changes of everything that can change the samples.
 std::vector<std::function<void(JobSpec&)>> Changes() {
   return {
-      [](JobSpec& s) { s.mesh_sha256 = "other"; },
-      [](JobSpec& s) { s.texture_sha256 = "other"; },
+      [](JobSpec& s) { s.mesh_sha256 = std::string("other"); },
+      [](JobSpec& s) { s.texture_sha256 = std::string("other"); },
       [](JobSpec& s) { s.options.method = SamplingMethod::kLloyd; },
       [](JobSpec& s) { s.options.sample_count = 11; },
       [](JobSpec& s) { s.options.max_iterations = 7; },
@@ -24,7 +24,7 @@ std::vector<std::function<void(JobSpec&)>> Changes() {
       [](JobSpec& s) { s.options.crease_angle = 0.5; },
       [](JobSpec& s) { s.options.weld_tolerance = 1e-9; },
       [](JobSpec& s) { s.options.density.source = DensitySource::kCurvature; },
-      [](JobSpec& s) { s.options.density.attribute = "mass"; },
+      [](JobSpec& s) { s.options.density.attribute = std::string("mass"); },
       [](JobSpec& s) { s.options.density.measure = CurvatureMeasure::kMean; },
       [](JobSpec& s) { s.options.density.bright_is_dense = true; },
       [](JobSpec& s) { s.options.density.exponent = 2.0; },
@@ -43,8 +43,8 @@ TEST(SpecDigest, EveryChangeThatCountsGivesAnother) {
 
 TEST(SpecDigest, WhatDoesNotChangeTheSamplesDoesNotChangeIt) {
   JobSpec spec;
-  spec.owner = "a";
-  spec.request_id = "b";
+  spec.owner = std::string("a");
+  spec.request_id = std::string("b");
   spec.labels = {{"c", "d"}};
   spec.origin = Eigen::Vector3d(1, 2, 3);
   spec.options.thread_count = 8;
@@ -55,9 +55,9 @@ TEST(SpecDigest, WhatDoesNotChangeTheSamplesDoesNotChangeIt) {
 
 TEST(SpecDigest, NoFieldForgesAnother) {
   JobSpec a;
-  a.options.density.attribute = "x\nmeasure:1=1";
+  a.options.density.attribute = std::string("x\nmeasure:1=1");
   JobSpec b;
-  b.options.density.attribute = "x";
+  b.options.density.attribute = std::string("x");
   b.options.density.measure = CurvatureMeasure::kMean;
   EXPECT_NE(SpecDigest(a), SpecDigest(b));
 }

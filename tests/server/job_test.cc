@@ -27,7 +27,7 @@ std::shared_ptr<Job> NewJob(const RunDependencies& dependencies) {
 }
 
 // Runs a job that was taken on this thread, and ends it.
-void Run(Job& job, const RunDependencies& dependencies) {
+void RunToTheEnd(Job& job, const RunDependencies& dependencies) {
   Executor decoders(1, 10);
   SilentJobObserver observer;
   job.Publish(job.Seal(RunJob(job, dependencies, FakeInputs(decoders, observer))));
@@ -38,7 +38,7 @@ JobView RunWith(SampleFunction sample) {
   const RunDependencies dependencies = FakeDependencies(std::move(sample));
   const auto job = NewJob(dependencies);
   EXPECT_TRUE(job->Take());
-  Run(*job, dependencies);
+  RunToTheEnd(*job, dependencies);
   return job->View();
 }
 
@@ -112,7 +112,7 @@ TEST(Job, CancelDuringTheRunIsNoticedOnceAndSticks) {
     return result;
   };
   ASSERT_TRUE(job->Take());
-  Run(*job, cancelling);
+  RunToTheEnd(*job, cancelling);
   EXPECT_EQ(job->View().state, JobState::kCancelled);
   EXPECT_EQ(job->View().stop_cause, StopCause::kCaller);
   job->Cancel(StopCause::kDrain);
@@ -127,7 +127,7 @@ TEST(Job, RunThatWinsTheRaceAgainstCancelSucceeds) {
     return MakeResult(10);
   };
   ASSERT_TRUE(job->Take());
-  Run(*job, dependencies);
+  RunToTheEnd(*job, dependencies);
   EXPECT_EQ(job->View().state, JobState::kSucceeded);
 }
 
@@ -142,7 +142,7 @@ TEST(Job, WatcherHearsOfEveryChangeAndThenOfNone) {
   ASSERT_TRUE(job->Take());
   job->RemoveWatcher(watcher);
   const int before = calls;
-  Run(*job, dependencies);
+  RunToTheEnd(*job, dependencies);
   EXPECT_EQ(calls, before);
 }
 
