@@ -25,6 +25,9 @@ class Server:
 
     def __init__(self, *flags):
         self._log = tempfile.TemporaryFile()
+        self._data = tempfile.TemporaryDirectory()
+        if "--data-dir" not in flags:
+            flags = (*flags, "--data-dir", self._data.name)
         self.process = subprocess.Popen(
             [CCST_SERVER, "--listen", "127.0.0.1:0", *flags],
             stdout=subprocess.PIPE,

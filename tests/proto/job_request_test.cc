@@ -1,4 +1,4 @@
-#include "proto/convert/options.h"
+#include "proto/convert/job_request.h"
 
 #include <limits>
 #include <set>
@@ -40,7 +40,7 @@ TEST(SampleRequest, UnsetFieldsTakeTheCoresDefaults) {
   EXPECT_EQ(call->options.energy, defaults.energy);
   EXPECT_EQ(call->options.weld_tolerance, defaults.weld_tolerance);
   EXPECT_EQ(call->options.time_limit_seconds, RequestLimits{}.max_job_seconds);
-  EXPECT_FALSE(call->has_origin);
+  EXPECT_FALSE(call->origin.has_value());
   EXPECT_EQ(call->preview_sample_count, 0);
 }
 
@@ -117,6 +117,64 @@ TEST(SampleRequest, TimeLimitIsBoundedByTheServers) {
   EXPECT_EQ(FromProto(request, limits)->options.time_limit_seconds, 2.5);
   *request.mutable_options()->mutable_time_limit() = DurationToProto(1e6);
   EXPECT_EQ(FromProto(request, limits)->options.time_limit_seconds, 60.0);
+}
+
+TEST(SampleRequest, StoredMeshTakesItsOriginFromTheRequest) {
+  v1::SampleRequest request = RightRequest();
+  request.set_mesh_name("meshes/" + std::string(64, 'a'));
+  request.mutable_origin()->set_x(5.0);
+  const auto call = FromProto(request);
+  ASSERT_TRUE(call.ok()) << call.status();
+  EXPECT_EQ(call->mesh_sha256, std::string(64, 'a'));
+  EXPECT_EQ(call->origin->x(), 5.0);
+}
+
+TEST(CreateJobRequest, EverythingAskedForArrives) {
+  v1::CreateJobRequest request;
+  request.mutable_spec()->set_mesh("meshes/" + std::string(64, '0'));
+  request.mutable_spec()->mutable_options()->set_sample_count(100);
+  request.mutable_spec()->mutable_origin()->set_z(-1.0);
+  request.set_request_id("abc");
+  request.set_display_name("bunny");
+  (*request.mutable_labels())["team"] = "a";
+  request.set_skip_cache_lookup(true);
+  request.set_validate_only(true);
+  *request.mutable_abandon_timeout() = DurationToProto(1.5);
+  const auto call = FromProto(request);
+  ASSERT_TRUE(call.ok()) << call.status();
+  EXPECT_EQ(call->mesh_sha256, std::string(64, '0'));
+  EXPECT_EQ(call->options.sample_count, 100);
+  EXPECT_EQ(call->origin->z(), -1.0);
+  EXPECT_EQ(call->request_id, "abc");
+  EXPECT_EQ(call->display_name, "bunny");
+  EXPECT_EQ(call->labels.at("team"), "a");
+  EXPECT_TRUE(call->skip_cache_lookup);
+  EXPECT_TRUE(call->validate_only);
+  EXPECT_EQ(call->abandon_seconds, 1.5);
+}
+
+TEST(CreateJobRequest, EverythingWrongIsNamedAtOnce) {
+  v1::CreateJobRequest request;
+  request.mutable_spec()->set_mesh("meshes/../../etc/passwd");
+  request.mutable_spec()->mutable_options()->set_sample_count(0);
+  request.mutable_spec()->mutable_origin()->set_x(std::numeric_limits<double>::infinity());
+  request.set_request_id(std::string(65, 'x'));
+  request.set_display_name(std::string(129, 'x'));
+  (*request.mutable_labels())[""] = "no key";
+  *request.mutable_abandon_timeout() = DurationToProto(0.0);
+  EXPECT_EQ(WrongFields(FromProto(request).status()),
+            (std::set<std::string>{"spec.mesh", "spec.options.sample_count", "spec.origin",
+                                   "request_id", "display_name", "labels", "abandon_timeout"}));
+}
+
+TEST(CreateJobRequest, LengthsAreInCharacters) {
+  v1::CreateJobRequest request;
+  request.mutable_spec()->set_mesh("meshes/" + std::string(64, '0'));
+  request.mutable_spec()->mutable_options()->set_sample_count(100);
+  std::string name;
+  for (int i = 0; i < 128; ++i) name += "\u00e4";
+  request.set_display_name(name);
+  EXPECT_TRUE(FromProto(request).ok());
 }
 
 }  // namespace
