@@ -54,9 +54,20 @@ class Removal {
     return w;
   }
 
-  /// Turns an edge at `v` so that another collapse may become possible.
+  /// Turns an edge near `v` so that another collapse may become possible: beyond a neighbour of
+  /// three edges, which may not lose one, or at `v`.
   bool FlipAny(std::int32_t v) {
     std::int32_t candidate = -1;
+    mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
+      const std::int32_t u = mesh_.Target(h);
+      if (candidate >= 0 || mesh_.IsBoundary(u) || mesh_.Degree(u) != 3) return;
+      mesh_.ForEachOutgoing(u, [&](std::int32_t e) {
+        const std::int32_t side = SampleMesh::Next(e);
+        if (mesh_.origin[side] != v && mesh_.Target(side) != v && mesh_.CanFlip(side)) {
+          candidate = side;
+        }
+      });
+    });
     mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
       if (candidate < 0 && mesh_.CanFlip(h)) candidate = h;
     });
