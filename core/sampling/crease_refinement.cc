@@ -15,6 +15,9 @@ namespace ccst {
 namespace {
 
 constexpr double kSharpTurn = 40.0 * std::numbers::pi / 180.0;
+/// At edges that turn by more, as a tetrahedron's, rounded normals do better: with true ones
+/// triangles turned over at its corners.
+constexpr double kSharpestTurn = 100.0 * std::numbers::pi / 180.0;
 
 std::int32_t Next(std::int32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
 std::int32_t Previous(std::int32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
@@ -66,7 +69,8 @@ class Bisection {
   bool IsSharp(std::int32_t h) const {
     const Eigen::Vector3d a = Cross(h / 3);
     const Eigen::Vector3d b = Cross(twins_[h] / 3);
-    return a.dot(b) < std::cos(kSharpTurn) * std::sqrt(a.squaredNorm() * b.squaredNorm());
+    const double scale = std::sqrt(a.squaredNorm() * b.squaredNorm());
+    return a.dot(b) < std::cos(kSharpTurn) * scale && a.dot(b) > std::cos(kSharpestTurn) * scale;
   }
 
   /// Total order of the edges, so that the way to the longest ends.

@@ -5,7 +5,7 @@
 
 namespace ccst {
 
-/// Splits the faces of `repaired` at sharp edges (turning by more than 40 degrees) until none of
+/// Splits the faces of `repaired` at sharp edges (turning by 40 to 100 degrees) until none of
 /// their sides is longer than `longest` [unit of `surface`], and others as far as a mesh without
 /// T-junctions needs. The shape stays as it is. Normals and curvatures are interpolated over faces:
 /// beside a crease they are wrong as far as the faces reach, so a large flat face with a sharp rim
