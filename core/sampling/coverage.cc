@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+
+#include <Eigen/Geometry>
 
 #include "core/spatial/point_tree.h"
 #include "core/surface/closest_point.h"
@@ -15,11 +18,38 @@ namespace {
 constexpr double kLeastCurvature = 0.7;
 /// Samples whose triangles are tried for each place.
 constexpr int kNearest = 4;
+/// Distance of the surface from the sample mesh that calls for a sample there, in spacings.
+constexpr double kLimit = 0.9;
+/// The same at the corners of polyhedra: vertices whose angles are short of 2 pi by more than
+/// kCornerDeficit [rad], with none within kAlone spacings that differs from 2 pi by kFlatDeficit.
+/// Tips of a scan, which are noise as often as not, are none.
+constexpr double kCornerLimit = 0.55;
+constexpr double kCornerDeficit = 1.2;
+constexpr double kFlatDeficit = 0.1;
+constexpr double kAlone = 3.0;
+
+/// 2 pi less the angles of the faces at `vertex`, which is not on the boundary.
+double AngleDeficit(const Surface& surface, std::int32_t vertex) {
+  double deficit = 2.0 * std::numbers::pi;
+  const std::int32_t start = surface.outgoing()[vertex];
+  std::int32_t h = start;
+  do {
+    const std::int32_t previous = h - h % 3 + (h % 3 + 2) % 3;
+    const Eigen::Vector3d a = surface.positions()[surface.Target(h)] - surface.positions()[vertex];
+    const Eigen::Vector3d b =
+        surface.positions()[surface.Origin(previous)] - surface.positions()[vertex];
+    deficit -= std::atan2(a.cross(b).norm(), a.dot(b));
+    h = surface.twins()[previous];
+  } while (h != start);
+  return deficit;
+}
 
 }  // namespace
 
 Coverage::Coverage(const Surface* surface, const Density* density, const Plan* plan)
     : surface_(*surface) {
+  std::vector<std::size_t> corners;     // Of curved_.
+  std::vector<Eigen::Vector3d> places;  // Where the surface is not a bent plane.
   for (std::int32_t v = 0; v < surface->vertex_count(); ++v) {
     const std::int32_t h = surface->outgoing()[v];
     if (surface->twins()[h] < 0) continue;  // Loops have their own samples.
@@ -33,11 +63,26 @@ Coverage::Coverage(const Surface* surface, const Density* density, const Plan* p
     if (std::abs(curvature.k1) * spacing <= kLeastCurvature) continue;
     curved_.push_back(v);
     spacing_.push_back(spacing);
+    limit_.push_back(kLimit);
+    const double deficit = AngleDeficit(*surface, v);
+    if (std::abs(deficit) < kFlatDeficit) continue;
+    places.push_back(surface->positions()[v]);
+    if (deficit > kCornerDeficit) corners.push_back(curved_.size() - 1);
+  }
+  if (corners.empty()) return;
+  const PointTree tree(places);
+  for (const std::size_t k : corners) {
+    const Eigen::Vector3d& corner = surface->positions()[curved_[k]];
+    const std::vector<std::int32_t> nearest = tree.Nearest(corner, 2);
+    const double alone = kAlone * spacing_[k];
+    if (nearest.size() < 2 || (places[nearest[1]] - corner).norm() > alone) {
+      limit_[k] = kCornerLimit;
+    }
   }
 }
 
-std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh, const Samples& samples,
-                                                    double limit) const {
+std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh,
+                                                    const Samples& samples) const {
   std::vector<UncoveredPlace> found;
   if (curved_.empty()) return found;
   const PointTree tree(samples.position);
@@ -62,7 +107,7 @@ std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh, cons
         }
       });
     }
-    if (nearest.triangle >= 0 && nearest.distance > limit) found.push_back(nearest);
+    if (nearest.triangle >= 0 && nearest.distance > limit_[k]) found.push_back(nearest);
   }
   std::sort(found.begin(), found.end(), [](const UncoveredPlace& a, const UncoveredPlace& b) {
     return a.distance != b.distance ? a.distance > b.distance : a.vertex < b.vertex;

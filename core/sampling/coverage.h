@@ -25,15 +25,16 @@ class Coverage {
  public:
   Coverage(const Surface* surface, const Density* density, const Plan* plan);
 
-  /// Vertices of the surface more than `limit` local spacings from the sample mesh, farthest first,
-  /// no two within a spacing of one another. Cost O(n log n + curved vertices).
-  std::vector<UncoveredPlace> FindUncovered(const SampleMesh& mesh, const Samples& samples,
-                                            double limit) const;
+  /// Vertices of the surface that the sample mesh cuts off by most of a local spacing, at corners
+  /// by half of one, farthest first, no two within a spacing of one another. Cost O(n log n +
+  /// curved vertices).
+  std::vector<UncoveredPlace> FindUncovered(const SampleMesh& mesh, const Samples& samples) const;
 
  private:
   const Surface& surface_;
   std::vector<std::int32_t> curved_;  // Vertices of the surface.
   std::vector<double> spacing_;       // Per curved vertex.
+  std::vector<double> limit_;         // Per curved vertex, in spacings.
 };
 
 }  // namespace ccst

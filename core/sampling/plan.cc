@@ -18,6 +18,10 @@ namespace ccst {
 namespace {
 
 constexpr double kCornerTurn = 60.0 * std::numbers::pi / 180.0;
+/// Farthest that a crease may lie from the chords between its samples, over the diagonal, as long
+/// as they need not be closer than kClosest times their usual distance for it.
+constexpr double kLargestSag = 7e-4;
+constexpr double kClosest = 0.7;
 constexpr std::uint64_t kLoopStream = 0x6c6f6f70;  // "loop"
 
 /// Smallest number of vertices of a triangulated surface of the given kind; for closed surfaces
@@ -28,6 +32,23 @@ std::int64_t SmallestCount(std::int64_t euler, std::int64_t loops) {
   if (euler == -2) return 10;
   return static_cast<std::int64_t>(
       std::ceil((7.0 + std::sqrt(49.0 - 24.0 * static_cast<double>(euler))) / 2.0));
+}
+
+/// Point of a loop at arc length `arc`.
+SurfacePoint PointAt(const Surface& surface, const LoopPlan& loop, double arc) {
+  const std::ptrdiff_t i = loop.Segment(arc);
+  const double begin = loop.start[i];
+  const double end =
+      i + 1 < static_cast<std::ptrdiff_t>(loop.start.size()) ? loop.start[i + 1] : loop.length;
+  const double t = end > begin ? std::clamp((arc - begin) / (end - begin), 0.0, 1.0) : 0.0;
+  const std::int32_t h = loop.half_edges[i];
+  SurfacePoint point;
+  point.face = h / 3;
+  point.weights[h % 3] = 1.0 - t;
+  point.weights[(h % 3 + 1) % 3] = t;
+  point.position = (1.0 - t) * surface.positions()[surface.Origin(h)] +
+                   t * surface.positions()[surface.Target(h)];
+  return point;
 }
 
 /// Side of an equilateral triangle of the given area.
@@ -150,6 +171,37 @@ struct CornerSet {
   std::vector<std::uint8_t> has_sample;
 };
 
+/// Largest distance of the crease from `pieces` chords between evenly spread samples.
+double SagOf(const Surface& surface, const LoopPlan& crease, std::int64_t pieces) {
+  double largest = 0.0;
+  std::size_t next = 0;  // The vertices of the line, by arc.
+  for (std::int64_t i = 0; i < pieces; ++i) {
+    const auto arc_of = [&](std::int64_t k) {
+      return crease.length * static_cast<double>(k) / static_cast<double>(pieces);
+    };
+    const Eigen::Vector3d from = PointAt(surface, crease, arc_of(i)).position;
+    const Eigen::Vector3d along = PointAt(surface, crease, arc_of(i + 1)).position - from;
+    for (; next < crease.start.size() && crease.start[next] < arc_of(i + 1); ++next) {
+      const Eigen::Vector3d at =
+          surface.positions()[surface.Origin(crease.half_edges[next])] - from;
+      const double t = std::clamp(at.dot(along) / along.squaredNorm(), 0.0, 1.0);
+      largest = std::max(largest, (at - t * along).norm());
+    }
+  }
+  return largest;
+}
+
+/// Into how many pieces samples divide a crease: about `side` long, shorter where it is bent.
+std::int64_t PiecesOf(const Surface& surface, const LoopPlan& crease, double side,
+                      std::int64_t least) {
+  std::int64_t pieces = std::max<std::int64_t>(least, std::llround(crease.length / side));
+  const auto most = static_cast<std::int64_t>(crease.length / (kClosest * side));
+  while (pieces < most && SagOf(surface, crease, pieces) > kLargestSag * surface.diagonal()) {
+    pieces += std::max<std::int64_t>(1, pieces / 16);
+  }
+  return pieces;
+}
+
 /// Spreads samples over a crease between two corners, which get one where they have none yet.
 void PlaceOnCrease(const Surface& surface, double side, bool only_one, CornerSet* corners,
                    LoopPlan* crease) {
@@ -165,7 +217,7 @@ void PlaceOnCrease(const Surface& surface, double side, bool only_one, CornerSet
   // A line back to its own corner takes two more samples to be one; of several lines between two
   // corners all but one need a sample to differ.
   const std::int64_t least = first == last ? 3 : only_one ? 1 : 2;
-  const auto pieces = std::max<std::int64_t>(least, std::llround(crease->length / side));
+  const std::int64_t pieces = PiecesOf(surface, *crease, side, least);
   for (std::int64_t i = 1; i < pieces; ++i) {
     add(crease->length * static_cast<double>(i) / static_cast<double>(pieces), false);
   }
@@ -269,7 +321,8 @@ absl::StatusOr<Plan> MakePlan(const Surface& surface, const Density& density,
               {surface.Origin(loop.half_edges.front()), surface.Target(loop.half_edges.back())});
           PlaceOnCrease(surface, side, lines_between[ends] == 1, &corners, &loop);
         } else if (loop.crease) {
-          PlaceOnLoop({}, side, offset, &loop);
+          const auto pieces = static_cast<double>(PiecesOf(surface, loop, side, 3));
+          PlaceOnLoop({}, loop.length / pieces, offset, &loop);
         } else {
           PlaceOnLoop(
               FindCorners(surface, plan, corners.is_corner, static_cast<std::int32_t>(l), side),
@@ -322,20 +375,7 @@ void Plan::MakePoints(std::int32_t c) {
 }
 
 SurfacePoint PointOnLoop(const Surface& surface, const Plan& plan, std::int32_t index, double arc) {
-  const LoopPlan& loop = plan.loops[index];
-  const std::ptrdiff_t i = loop.Segment(arc);
-  const double begin = loop.start[i];
-  const double end =
-      i + 1 < static_cast<std::ptrdiff_t>(loop.start.size()) ? loop.start[i + 1] : loop.length;
-  const double t = end > begin ? std::clamp((arc - begin) / (end - begin), 0.0, 1.0) : 0.0;
-  const std::int32_t h = loop.half_edges[i];
-  SurfacePoint point;
-  point.face = h / 3;
-  point.weights[h % 3] = 1.0 - t;
-  point.weights[(h % 3 + 1) % 3] = t;
-  point.position = (1.0 - t) * surface.positions()[surface.Origin(h)] +
-                   t * surface.positions()[surface.Target(h)];
-  return point;
+  return PointAt(surface, plan.loops[index], arc);
 }
 
 }  // namespace ccst

@@ -46,9 +46,6 @@ constexpr std::size_t kGraveWeight = 100;
 /// Moves that count as rest while the surroundings of relocated samples settle, in spacings.
 constexpr double kMendRest = 0.01;
 
-/// Distance of the surface from the sample mesh that calls for a sample there, in spacings.
-constexpr double kUncovered = 0.9;
-
 /// Improvement is judged over this many alternations: single ones are noisy after flips.
 constexpr int kWindow = 3;
 
@@ -163,11 +160,10 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
     if (result.alternations <= kEarlyAlternations) {
       relocate(find_everywhere(kEarlyLimits), {});
     } else if (result.alternations == kFirstMend || result.alternations == kSecondMend) {
-      relocate(find_everywhere(kMendLimits), coverage.FindUncovered(*mesh, *samples, kUncovered));
+      relocate(find_everywhere(kMendLimits), coverage.FindUncovered(*mesh, *samples));
     } else if (result.alternations > kSecondMend && converged()) {
       update_defects();
-      const std::vector<UncoveredPlace> uncovered =
-          coverage.FindUncovered(*mesh, *samples, kUncovered);
+      const std::vector<UncoveredPlace> uncovered = coverage.FindUncovered(*mesh, *samples);
       const std::size_t count =
           defects.size() +
           kGraveWeight * (uncovered.size() + static_cast<std::size_t>(std::count_if(

@@ -17,6 +17,7 @@
 #include "core/density/density.h"
 #include "core/mesh/attributes.h"
 #include "core/quality/distances.h"
+#include "core/sampling/crease_refinement.h"
 #include "core/sampling/density_source.h"
 #include "core/sampling/export.h"
 #include "core/sampling/initial_mesh.h"
@@ -36,6 +37,10 @@ using Clock = std::chrono::steady_clock;
 /// Shorter creases are noise at the scale of the samples, in spacings.
 constexpr double kLeastCrease = 4.0;
 
+/// Longest side of a face at a sharp edge, in spacings, and how many faces a sample may come of it.
+constexpr double kLargestAtCrease = 1.0;
+constexpr std::int64_t kMostNewFaces = 8;
+
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -46,8 +51,6 @@ absl::Status OptionError(const std::string& message) {
 
 SurfaceSummary Summarise(const Surface& surface, const Plan& plan) {
   SurfaceSummary summary;
-  summary.vertices = surface.vertex_count();
-  summary.faces = surface.face_count();
   summary.area = surface.area() * surface.unit() * surface.unit();
   summary.diagonal = surface.diagonal() * surface.unit();
   summary.components = static_cast<std::int64_t>(surface.component_areas().size());
@@ -219,7 +222,15 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   enter(Phase::kPreparing);
   CCST_ASSIGN_OR_RETURN(RepairedMesh repaired,
                         Repair(mesh, {.weld_tolerance = options.weld_tolerance}, &stop));
-  CCST_ASSIGN_OR_RETURN(const Surface surface, Surface::Build(repaired.mesh, &stop));
+  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, &stop));
+  const std::int64_t vertex_count = surface.vertex_count();
+  const std::int64_t face_count = surface.face_count();
+  const double spacing = quality::HexagonalSpacing(surface.area(), options.sample_count);
+  if (options.method == SamplingMethod::kCcst &&
+      RefineCreases(surface, kLargestAtCrease * spacing, kMostNewFaces * options.sample_count,
+                    &repaired)) {
+    CCST_ASSIGN_OR_RETURN(surface, Surface::Build(repaired.mesh, &stop));
+  }
   const SourceMap sources(mesh, repaired);
   repaired.mesh = {};  // From here on there is the surface.
   if (stop.Requested()) return absl::CancelledError("stopped before the first samples");
@@ -254,6 +265,8 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
     CCST_ASSIGN_OR_RETURN(first, MakeStart(surface, density, options, &stop));
   }
   result.surface = Summarise(surface, first.plan);
+  result.surface.vertices = vertex_count;
+  result.surface.faces = face_count;
   result.surface.repairs = repaired.report;
   result.initialise_seconds = SecondsSince(start) - result.prepare_seconds;
 

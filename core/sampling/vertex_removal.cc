@@ -17,6 +17,9 @@ namespace {
 constexpr std::array<double, 4> kDemands = {0.2, 0.02, -0.5,
                                             -std::numeric_limits<double>::infinity()};
 
+/// Attempts at turning edges of each kind when nothing can be collapsed.
+constexpr int kFlipRounds = 16;
+
 /// Shape of triangle (a, b, c) times how well it faces `up`: 1 for an equilateral triangle in the
 /// surface, 0 for a degenerate one, negative when turned over.
 double SignedQuality(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
@@ -54,9 +57,20 @@ class Removal {
     return w;
   }
 
-  /// Turns an edge at `v` so that another collapse may become possible.
-  bool FlipAny(std::int32_t v) {
+  /// Turns an edge at `v` so that another collapse may become possible, or with `beyond` one
+  /// across from a neighbour of three edges, which may not lose one.
+  bool FlipAny(std::int32_t v, bool beyond) {
     std::int32_t candidate = -1;
+    mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
+      const std::int32_t u = mesh_.Target(h);
+      if (!beyond || mesh_.IsBoundary(u) || mesh_.Degree(u) != 3) return;
+      mesh_.ForEachOutgoing(u, [&](std::int32_t e) {
+        const std::int32_t side = SampleMesh::Next(e);
+        if (mesh_.origin[side] != v && mesh_.Target(side) != v && mesh_.CanFlip(side)) {
+          candidate = side;
+        }
+      });
+    });
     mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
       if (candidate < 0 && mesh_.CanFlip(h)) candidate = h;
     });
@@ -137,8 +151,8 @@ absl::StatusOr<std::vector<std::int32_t>> RemoveVertices(
     }
     if (removed > 0 || skipped > 0) continue;
     // Nothing can be collapsed as things stand; turn some edges and try again a few times.
-    if (++flip_rounds > 16) break;
-    for (const std::int32_t v : waiting) removal.FlipAny(v);
+    if (++flip_rounds > 2 * kFlipRounds) break;
+    for (const std::int32_t v : waiting) removal.FlipAny(v, flip_rounds > kFlipRounds);
   }
   return waiting;
 }

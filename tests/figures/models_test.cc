@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <string>
@@ -206,6 +207,53 @@ TEST_F(Models, ThinSheetsStayApart) {
                                                    : p.z() < 0.01 ? 1
                                                                   : 2; }), 0)
         << count;
+  }
+}
+
+// Edges at which the faces turn by more than `angle` [rad].
+std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> SharpEdges(
+    const std::vector<Eigen::Vector3d>& positions, const std::vector<Eigen::Vector3i>& faces,
+    double angle) {
+  std::map<std::pair<int, int>, std::vector<Eigen::Vector3d>> normals;
+  for (const Eigen::Vector3i& f : faces) {
+    const Eigen::Vector3d normal =
+        (positions[f[1]] - positions[f[0]]).cross(positions[f[2]] - positions[f[0]]).normalized();
+    for (int k = 0; k < 3; ++k) normals[std::minmax(f[k], f[(k + 1) % 3])].push_back(normal);
+  }
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> sharp;
+  for (const auto& [edge, pair] : normals) {
+    if (pair.size() != 2 || pair[0].dot(pair[1]) >= std::cos(angle)) continue;
+    sharp.emplace_back(positions[edge.first], positions[edge.second]);
+  }
+  return sharp;
+}
+
+TEST_F(Models, CurvedCreasesAreFollowed) {
+  for (const char* name : {"cad/fandisk.off", "cad/joint.off"}) {
+    const TriangleMesh mesh = Read(name);
+    SamplingOptions options;
+    options.sample_count = 20000;
+    options.crease_angle = 40.0 * M_PI / 180.0;
+    const SamplingResult result = *SampleSurface(mesh, options);
+    const auto lines =
+        SharpEdges(result.samples.positions, result.samples.triangles, 25.0 * M_PI / 180.0);
+    double farthest = 0.0;
+    for (const auto& [a, b] : SharpEdges(mesh.positions, mesh.faces, *options.crease_angle)) {
+      for (int step = 0; step <= 8; ++step) {
+        const Eigen::Vector3d point = a + (b - a) * (step / 8.0);
+        double nearest = result.surface.diagonal;
+        for (const auto& [from, to] : lines) {
+          const Eigen::Vector3d along = to - from;
+          const double t = std::clamp((point - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+          nearest = std::min(nearest, (from + t * along - point).norm());
+        }
+        farthest = std::max(farthest, nearest);
+      }
+    }
+    farthest /= result.surface.diagonal;
+    std::printf("%s: creases within %.3f %% of the diagonal, cv %.3f, radius %.3f\n", name,
+                100.0 * farthest, result.capacity_cv, result.relative_radius);
+    EXPECT_LE(farthest, 1e-3) << name;
   }
 }
 

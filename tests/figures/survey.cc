@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -91,17 +92,35 @@ std::int64_t MostPoints(const ReferenceSurface& component) {
   return 6 * (3 - component.topology().euler);
 }
 
-/// Smallest distance of samples on the same side at most three edges apart.
+/// Smallest distance of samples on the same side at most three edges apart. Of two on boundaries
+/// only those joined by an edge or facing each other across one count: others are neighbours
+/// around the end of a slit, whose two sides may touch.
 double NearestOnSheet(const SampleSet& samples) {
   const std::size_t count = samples.positions.size();
   std::vector<std::vector<std::int32_t>> neighbours(count);
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> apex;  // Of directed edges.
   for (const Eigen::Vector3i& t : samples.triangles) {
     for (int k = 0; k < 3; ++k) {
       neighbours[t[k]].push_back(t[(k + 1) % 3]);
       neighbours[t[(k + 1) % 3]].push_back(t[k]);
+      apex[{t[k], t[(k + 1) % 3]}] = t[(k + 2) % 3];
     }
   }
+  std::vector<std::uint8_t> on_boundary(count, 0);
   double nearest = std::numeric_limits<double>::infinity();
+  const auto compare = [&](std::int32_t u, std::int32_t v) {
+    if (samples.normals[u].dot(samples.normals[v]) <= 0.0) return;
+    nearest = std::min(nearest, (samples.positions[u] - samples.positions[v]).norm());
+  };
+  for (const auto& [edge, opposite] : apex) {
+    compare(edge.first, edge.second);
+    const auto twin = apex.find({edge.second, edge.first});
+    if (twin == apex.end()) {
+      on_boundary[edge.first] = on_boundary[edge.second] = 1;
+    } else {
+      compare(opposite, twin->second);
+    }
+  }
   std::vector<std::int32_t> found;
   std::vector<std::int32_t> seen(count, -1);
   for (std::size_t v = 0; v < count; ++v) {
@@ -113,8 +132,7 @@ double NearestOnSheet(const SampleSet& samples) {
         for (const std::int32_t u : neighbours[found[begin]]) {
           if (std::exchange(seen[u], static_cast<std::int32_t>(v)) == static_cast<int>(v)) continue;
           found.push_back(u);
-          if (samples.normals[u].dot(samples.normals[v]) <= 0.0) continue;
-          nearest = std::min(nearest, (samples.positions[u] - samples.positions[v]).norm());
+          if (!on_boundary[u] || !on_boundary[v]) compare(u, static_cast<std::int32_t>(v));
         }
       }
     }
