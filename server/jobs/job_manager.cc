@@ -48,22 +48,6 @@ std::string_view CauseName(StopCause cause) {
   return "none";
 }
 
-JobRecord NewRecord(const std::string& id, const JobSpec& spec, std::string definition,
-                    absl::Time now) {
-  JobRecord record;
-  record.id = id;
-  record.owner = spec.owner;
-  record.request_id = spec.request_id;
-  record.display_name = spec.display_name;
-  record.labels = spec.labels;
-  record.mesh_sha256 = spec.mesh_sha256;
-  record.texture_sha256 = spec.texture_sha256;
-  record.spec_digest = SpecDigest(spec);
-  record.definition = std::move(definition);
-  record.create_time = now;
-  return record;
-}
-
 }  // namespace
 
 JobManager::JobManager(Store& store, BlobPins& pins, const JobManagerOptions& options,
@@ -72,6 +56,7 @@ JobManager::JobManager(Store& store, BlobPins& pins, const JobManagerOptions& op
       pins_(pins),
       options_(options),
       dependencies_(std::move(dependencies)),
+      records_(dependencies_.codec),
       budget_(std::make_shared<MemoryBudget>(options.memory_budget_bytes)),
       notifier_(1, kMaxPosted),
       decoders_(2 * options.runner.max_running_jobs, kMaxPosted),
@@ -98,7 +83,7 @@ absl::StatusOr<std::unique_ptr<JobManager>> JobManager::Start(Store& store, Blob
 
 absl::Status JobManager::TakeUp(const JobRecord& record) {
   JobSpec spec;
-  CCST_ASSIGN_OR_RETURN(spec, SpecOf(record));
+  CCST_ASSIGN_OR_RETURN(spec, records_.SpecOf(record));
   const bool cancelled = record.state == JobState::kCancelling || spec.ends_with_caller;
   const std::shared_ptr<Job> job = NewJob(record.id, std::move(spec));
   if (cancelled) {
@@ -145,10 +130,12 @@ absl::StatusOr<std::int64_t> JobManager::MemoryOf(const JobSpec& spec) const {
   return EstimateMemory(counts->vertices, counts->faces, spec.options);
 }
 
-absl::Status JobManager::Check(const JobSpec& spec) {
+absl::Status JobManager::Check(const JobSpec& spec) const { return AdmittedMemory(spec).status(); }
+
+absl::StatusOr<std::int64_t> JobManager::AdmittedMemory(const JobSpec& spec) const {
   std::int64_t memory = 0;
   CCST_ASSIGN_OR_RETURN(memory, MemoryOf(spec));
-  if (memory <= budget_->limit_bytes()) return absl::OkStatus();
+  if (memory <= budget_->limit_bytes()) return memory;
   return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kLimitExceeded,
                    "the job may need " + std::to_string(memory) +
                        " bytes of memory, over max_job_memory_bytes, " +
@@ -162,14 +149,12 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::Create(JobSpec spec) {
     CCST_ASSIGN_OR_RETURN(earlier, store_.FindRequest(spec.owner, spec.request_id));
     if (earlier.has_value()) return Find(spec.owner, earlier->id);
   }
-  CCST_RETURN_IF_ERROR(Check(spec));
   std::int64_t memory = 0;
-  CCST_ASSIGN_OR_RETURN(memory, MemoryOf(spec));
+  CCST_ASSIGN_OR_RETURN(memory, AdmittedMemory(spec));
   auto place = runner_->Reserve(spec.share);
   if (!place.ok()) return place.status();
   const JobRecord record =
-      NewRecord(dependencies_.new_id(), spec, dependencies_.codec.encode_definition(spec),
-                dependencies_.run.clock.now());
+      records_.New(dependencies_.new_id(), spec, dependencies_.run.clock.now());
   if (!spec.skip_cache_lookup) {
     std::shared_ptr<Job> answered;
     CCST_ASSIGN_OR_RETURN(answered, AnswerFromCache(record, spec));
@@ -219,32 +204,6 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::AnswerFromCache(const JobRecord
   return Restore(ended);
 }
 
-absl::StatusOr<JobSpec> JobManager::SpecOf(const JobRecord& record) const {
-  JobSpec spec;
-  CCST_RETURN_IF_ERROR(dependencies_.codec.decode_definition(record.definition, spec));
-  spec.owner = record.owner;
-  spec.share = record.owner;
-  spec.request_id = record.request_id;
-  spec.display_name = record.display_name;
-  spec.labels = record.labels;
-  spec.mesh_sha256 = record.mesh_sha256;
-  spec.texture_sha256 = record.texture_sha256;
-  return spec;
-}
-
-absl::StatusOr<JobView> JobManager::ViewOf(const JobRecord& record) const {
-  JobView view;
-  CCST_RETURN_IF_ERROR(dependencies_.codec.decode_outcome(record.outcome, view));
-  view.state = record.state;
-  view.cached = record.cached;
-  view.samples_blob = record.samples_sha256;
-  view.create_time = record.create_time;
-  view.start_time = record.start_time;
-  view.end_time = record.end_time;
-  view.expire_time = record.expire_time;
-  return view;
-}
-
 absl::StatusOr<std::shared_ptr<Job>> JobManager::Find(const std::string& owner,
                                                       const std::string& id) {
   std::shared_ptr<Job> job;
@@ -272,14 +231,14 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::Find(const std::string& owner,
 }
 
 absl::StatusOr<std::shared_ptr<Job>> JobManager::Restore(const JobRecord& record) {
-  std::string encoded;
-  CCST_ASSIGN_OR_RETURN(encoded, store_.GetHistory(record.id));
+  std::string history;
+  CCST_ASSIGN_OR_RETURN(history, store_.GetHistory(record.id));
   std::vector<AlternationReport> reports;
-  CCST_ASSIGN_OR_RETURN(reports, dependencies_.codec.decode_history(encoded));
+  CCST_ASSIGN_OR_RETURN(reports, records_.ReportsOf(history));
   JobSpec spec;
-  CCST_ASSIGN_OR_RETURN(spec, SpecOf(record));
+  CCST_ASSIGN_OR_RETURN(spec, records_.SpecOf(record));
   JobView view;
-  CCST_ASSIGN_OR_RETURN(view, ViewOf(record));
+  CCST_ASSIGN_OR_RETURN(view, records_.ViewOf(record));
   auto job = std::make_shared<Job>(record.id, std::move(spec), dependencies_.run.clock,
                                    std::move(view), std::move(reports));
   MutexLock lock(mutex_);
@@ -311,8 +270,8 @@ absl::StatusOr<Page<JobSummary>> JobManager::List(const JobFilter& filter, int p
       summary.spec = live->spec();
       summary.view = live->View();
     } else {
-      CCST_ASSIGN_OR_RETURN(summary.spec, SpecOf(record));
-      CCST_ASSIGN_OR_RETURN(summary.view, ViewOf(record));
+      CCST_ASSIGN_OR_RETURN(summary.spec, records_.SpecOf(record));
+      CCST_ASSIGN_OR_RETURN(summary.view, records_.ViewOf(record));
     }
     if (!filter.states.empty() && !has(summary.view.state)) continue;
     page.records.push_back(std::move(summary));
@@ -401,17 +360,8 @@ absl::StatusOr<std::string> JobManager::StoreSamples(const SampleSet& samples, J
 }
 
 absl::Status JobManager::StoreEnd(const Job& job, const JobView& end) {
-  JobRecord record;
-  record.id = job.id();
-  record.owner = job.spec().owner;
-  record.state = end.state;
-  record.start_time = end.start_time;
-  record.end_time = end.end_time;
-  record.expire_time = *end.end_time + options_.retention;
-  record.outcome = dependencies_.codec.encode_outcome(end);
-  record.samples_sha256 = end.samples_blob;
-  record.reusable = end.result != nullptr && end.result->run.termination != Termination::kTimeLimit;
-  CCST_RETURN_IF_ERROR(store_.EndJob(record, dependencies_.codec.encode_history(job.Reports())));
+  CCST_RETURN_IF_ERROR(
+      store_.EndJob(records_.Ended(job, end, options_.retention), records_.History(job)));
   MutexLock lock(mutex_);
   live_.erase(job.id());
   return absl::OkStatus();

@@ -13,7 +13,7 @@
 #include "server/base/executor.h"
 #include "server/base/mutex.h"
 #include "server/jobs/job.h"
-#include "server/jobs/job_codec.h"
+#include "server/jobs/job_records.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/memory_budget.h"
 #include "server/jobs/run_job.h"
@@ -70,7 +70,7 @@ class JobManager {
   absl::StatusOr<std::shared_ptr<Job>> Create(JobSpec spec);
 
   /// What Create() would refuse of the spec itself.
-  absl::Status Check(const JobSpec& spec);
+  absl::Status Check(const JobSpec& spec) const;
 
   /// NOT_FOUND when it is unknown, dropped or another owner's.
   absl::StatusOr<std::shared_ptr<Job>> Find(const std::string& owner, const std::string& id);
@@ -118,11 +118,11 @@ class JobManager {
 
   absl::Status TakeUp(const JobRecord& record);
   absl::StatusOr<std::int64_t> MemoryOf(const JobSpec& spec) const;
+  // MemoryOf() where the budget allows it.
+  absl::StatusOr<std::int64_t> AdmittedMemory(const JobSpec& spec) const;
   std::shared_ptr<Job> NewJob(std::string id, JobSpec spec);
   absl::StatusOr<std::shared_ptr<Job>> AnswerFromCache(const JobRecord& record,
                                                        const JobSpec& spec);
-  absl::StatusOr<JobSpec> SpecOf(const JobRecord& record) const;
-  absl::StatusOr<JobView> ViewOf(const JobRecord& record) const;
   absl::StatusOr<std::shared_ptr<Job>> Restore(const JobRecord& record);
 
   void Run(const std::shared_ptr<Job>& job, std::shared_ptr<void> grant);
@@ -135,6 +135,7 @@ class JobManager {
   BlobPins& pins_;
   const JobManagerOptions options_;
   const JobManagerDependencies dependencies_;
+  const JobRecords records_;
   const std::shared_ptr<MemoryBudget> budget_;
 
   mutable Mutex mutex_;

@@ -133,7 +133,9 @@ TEST(Convert, Vector3KeepsEveryField) {
 
 TEST(Convert, SampleRequestHasNoFieldThatIsNotRead) {
   // FromProto(SampleRequest) reads these; a new one belongs there, and then here.
-  const std::set<std::string> read = {"inline_mesh", "options", "preview_sample_count"};
+  const std::set<std::string> read = {
+      "inline_mesh",  "mesh_name", "options", "preview_sample_count", "origin", "skip_cache_lookup",
+      "display_name", "labels"};
   const Descriptor& request = *v1::SampleRequest::descriptor();
   for (int i = 0; i < request.field_count(); ++i) {
     EXPECT_TRUE(read.contains(request.field(i)->name())) << request.field(i)->full_name();

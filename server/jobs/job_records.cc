@@ -1,0 +1,62 @@
+#include "server/jobs/job_records.h"
+
+#include "core/base/status.h"
+
+namespace ccst::server {
+
+JobRecord JobRecords::New(const std::string& id, const JobSpec& spec, absl::Time now) const {
+  JobRecord record;
+  record.id = id;
+  record.owner = spec.owner;
+  record.request_id = spec.request_id;
+  record.display_name = spec.display_name;
+  record.labels = spec.labels;
+  record.mesh_sha256 = spec.mesh_sha256;
+  record.texture_sha256 = spec.texture_sha256;
+  record.spec_digest = SpecDigest(spec);
+  record.definition = codec_.encode_definition(spec);
+  record.create_time = now;
+  return record;
+}
+
+JobRecord JobRecords::Ended(const Job& job, const JobView& end, absl::Duration retention) const {
+  JobRecord record;
+  record.id = job.id();
+  record.owner = job.spec().owner;
+  record.state = end.state;
+  record.start_time = end.start_time;
+  record.end_time = end.end_time;
+  record.expire_time = *end.end_time + retention;
+  record.outcome = codec_.encode_outcome(end);
+  record.samples_sha256 = end.samples_blob;
+  record.reusable = end.result != nullptr && end.result->run.termination != Termination::kTimeLimit;
+  return record;
+}
+
+absl::StatusOr<JobSpec> JobRecords::SpecOf(const JobRecord& record) const {
+  JobSpec spec;
+  CCST_RETURN_IF_ERROR(codec_.decode_definition(record.definition, spec));
+  spec.owner = record.owner;
+  spec.share = record.owner;
+  spec.request_id = record.request_id;
+  spec.display_name = record.display_name;
+  spec.labels = record.labels;
+  spec.mesh_sha256 = record.mesh_sha256;
+  spec.texture_sha256 = record.texture_sha256;
+  return spec;
+}
+
+absl::StatusOr<JobView> JobRecords::ViewOf(const JobRecord& record) const {
+  JobView view;
+  CCST_RETURN_IF_ERROR(codec_.decode_outcome(record.outcome, view));
+  view.state = record.state;
+  view.cached = record.cached;
+  view.samples_blob = record.samples_sha256;
+  view.create_time = record.create_time;
+  view.start_time = record.start_time;
+  view.end_time = record.end_time;
+  view.expire_time = record.expire_time;
+  return view;
+}
+
+}  // namespace ccst::server
