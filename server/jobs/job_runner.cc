@@ -71,7 +71,7 @@ absl::StatusOr<JobRunner::Place> JobRunner::Reserve(const std::string& share) {
   return Place(*this, share);
 }
 
-void JobRunner::Enqueue(Place /*until it is queued*/, std::shared_ptr<Job> job,
+void JobRunner::Enqueue(Place /*until it is queued*/, const std::shared_ptr<Job>& job,
                         std::int64_t memory_bytes) {
   bool draining = false;
   {

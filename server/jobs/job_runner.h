@@ -62,7 +62,7 @@ class JobRunner {
   absl::StatusOr<Place> Reserve(const std::string& share);
 
   /// Takes a job that may need `memory_bytes`, at most the budget's limit.
-  void Enqueue(Place place, std::shared_ptr<Job> job, std::int64_t memory_bytes);
+  void Enqueue(Place place, const std::shared_ptr<Job>& job, std::int64_t memory_bytes);
   /// One that was accepted by an earlier process: there is always room.
   void EnqueueAccepted(std::shared_ptr<Job> job, std::int64_t memory_bytes);
 

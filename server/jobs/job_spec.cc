@@ -8,9 +8,9 @@
 namespace ccst::server {
 namespace {
 
-constexpr std::int64_t kBytesPerVertex = 200;
-constexpr std::int64_t kBytesPerFace = 500;
-constexpr std::int64_t kBytesPerSample = 1200;
+constexpr std::int64_t kBytesPerVertex = 100;
+constexpr std::int64_t kBytesPerFace = 400;
+constexpr std::int64_t kBytesPerSample = 800;
 constexpr std::int64_t kFixedBytes = std::int64_t{8} << 20;
 
 // name=value lines; a name never holds what a value could forge, lengths come first.

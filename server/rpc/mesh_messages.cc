@@ -89,6 +89,7 @@ absl::StatusOr<std::vector<MeshDigest>> FromProto(const v1::FindMissingMeshesReq
                    ErrorReason::kRequestInvalid);
     return violations.ToStatus();
   }
+  digests.reserve(static_cast<std::size_t>(request.digests_size()));
   for (int i = 0; i < request.digests_size(); ++i) {
     digests.push_back(
         FromProto(request.digests(i), "digests[" + std::to_string(i) + "]", violations));
