@@ -2,12 +2,11 @@
 
 #include <unistd.h>
 
-#include "absl/strings/str_cat.h"
 #include "client/cli/exit_code.h"
 
 namespace ccst::cli {
 
-Interrupt::Interrupt(std::string_view notice) : notice_(absl::StrCat("\n", notice, "\n")) {
+Interrupt::Interrupt(const std::string& notice) : notice_("\n" + notice + "\n") {
   sigemptyset(&signals_);
   sigaddset(&signals_, SIGINT);
   sigaddset(&signals_, SIGTERM);

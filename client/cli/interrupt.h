@@ -4,7 +4,6 @@
 #include <csignal>
 #include <stop_token>
 #include <string>
-#include <string_view>
 #include <thread>
 
 namespace ccst::cli {
@@ -15,7 +14,7 @@ namespace ccst::cli {
 /// people read standard error.
 class Interrupt {
  public:
-  explicit Interrupt(std::string_view notice = "cancelling; Ctrl-C again leaves at once");
+  explicit Interrupt(const std::string& notice = "cancelling; Ctrl-C again leaves at once");
   ~Interrupt();
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
