@@ -5,10 +5,15 @@
 
 namespace ccst::cli {
 
-/// Runs `ccst sample`: progress and errors go to standard error.
-ExitCode RunSample(const SampleCommand& command);
-
-/// Runs `ccst info`.
-ExitCode RunInfo(const InfoCommand& command);
+// Each runs a command: results go to standard output, progress and errors to standard error.
+ExitCode Run(const SampleCommand& command);
+ExitCode Run(const InfoCommand& command);
+ExitCode Run(const UploadCommand& command);
+ExitCode Run(const MeshesCommand& command);
+ExitCode Run(const JobsCommand& command);
+ExitCode Run(const WatchCommand& command);
+ExitCode Run(const CancelCommand& command);
+ExitCode Run(const DeleteCommand& command);
+ExitCode Run(const FetchCommand& command);
 
 }  // namespace ccst::cli

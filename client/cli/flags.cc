@@ -10,6 +10,8 @@
 #include <CLI/CLI.hpp>
 
 #include "client/cli/exit_code.h"
+#include "client/cli/flag_kinds.h"
+#include "client/cli/job_flags.h"
 #include "client/cli/outputs.h"
 #include "core/base/version.h"
 
@@ -29,34 +31,6 @@ const std::vector<std::pair<std::string, CurvatureMeasure>> kCurvatures = {
     {"gaussian", CurvatureMeasure::kGaussian},
     {"mean", CurvatureMeasure::kMean},
     {"maximum", CurvatureMeasure::kMaximum}};
-const std::vector<std::pair<std::string, ProgressStyle>> kProgressStyles = {
-    {"auto", ProgressStyle::kAuto},
-    {"bar", ProgressStyle::kBar},
-    {"lines", ProgressStyle::kLines},
-    {"json", ProgressStyle::kJson},
-    {"none", ProgressStyle::kNone}};
-
-// Adds a flag that takes one of `names`; CLI11's own transformers would also take the numbers.
-template <typename T>
-void AddChoice(CLI::App& app, const std::string& flag,
-               const std::vector<std::pair<std::string, T>>& names, T& value,
-               const std::string& help) {
-  value = names.front().second;
-  const auto assign = [&names, &value, flag](const std::string& text) {
-    for (const auto& [name, meaning] : names) {
-      if (name != text) continue;
-      value = meaning;
-      return;
-    }
-    std::string choices;
-    for (const auto& [name, meaning] : names) choices += (choices.empty() ? "" : ", ") + name;
-    throw CLI::ValidationError(flag, "'" + text + "' is none of " + choices);
-  };
-  app.add_option_function<std::string>(flag, assign, help)
-      ->type_name("NAME")
-      ->default_str(names.front().first);
-}
-
 // uniform, curvature, attribute:NAME or texture:IMAGE. Throws CLI::ValidationError.
 void ParseDensity(const std::string& text, SampleCommand& command) {
   const std::size_t colon = text.find(':');
@@ -84,21 +58,14 @@ void ParseDensity(const std::string& text, SampleCommand& command) {
 // Flags as given, before they are made one command.
 struct Flags {
   SampleCommand sample;
+  JobFlags jobs;
   InfoCommand info;
-  std::string server;
-  ServerFlags server_flags;
+  ServerAddress server;
   bool local = false;
   std::optional<int> threads;
   std::optional<int> max_iterations;
   std::optional<double> crease_angle;  // Degrees.
 };
-
-void AddServer(CLI::App& app, Flags& flags) {
-  app.add_option("--server", flags.server,
-                 "Server that computes; else $CCST_SERVER, else localhost:50051")
-      ->type_name("HOST:PORT");
-  AddServerFlags(app, flags.server_flags);
-}
 
 CLI::App* AddSample(CLI::App& app, Flags& flags) {
   CLI::App* sub = app.add_subcommand("sample", "Put blue-noise samples on a mesh");
@@ -168,48 +135,79 @@ CLI::App* AddSample(CLI::App& app, Flags& flags) {
                   "Join vertices at most this far apart first, in units of the mesh")
       ->type_name("LENGTH")
       ->capture_default_str();
-  AddServer(*sub, flags);
+  AddServer(*sub, flags.server);
   sub->add_flag("--local", flags.local, "Compute in this process; gives the same samples");
   sub->add_option("--threads", flags.threads, "Threads of a local run; by default all cores")
       ->type_name("N")
       ->check(CLI::Range(1, 1024).description(""));
-  sub->add_option("--quantization-bits", c.quantization_bits,
-                  "Send coordinates with N bits, 1 to 24: smaller uploads, moved vertices")
-      ->type_name("N")
-      ->check(CLI::Range(1, 24).description(""));
-  AddChoice(*sub, "--progress", kProgressStyles, c.progress,
-            "auto, bar, lines, json or none, on standard error");
+  AddQuantization(*sub, c.quantization_bits);
+  AddProgress(*sub, c.progress);
+  sub->add_flag("--detach", c.detach,
+                "Print the job's name and leave; ccst watch and ccst fetch come back to it");
+  sub->add_option("--name", c.display_name, "What to call the job in lists")->type_name("TEXT");
+  AddLabels(*sub, c.labels, "Mark the job, for lists; may be given again");
+  sub->add_flag("--no-cache", c.skip_cache_lookup,
+                "Compute even what the server has computed before");
   return sub;
 }
 
 CLI::App* AddInfo(CLI::App& app, Flags& flags) {
   CLI::App* sub = app.add_subcommand("info", "Show a server's version, limits and load");
-  AddServer(*sub, flags);
+  AddServer(*sub, flags.server);
   sub->add_flag("--json", flags.info.json, "Print one JSON object");
   return sub;
 }
 
+void SetServer(const ServerAddress& server, ServerAddress& command) { command = server; }
+void SetServer(const ServerAddress& /*server*/, Done& /*command*/) {}
+
 // Throws CLI::ValidationError.
 void CheckSample(const Flags& flags) {
-  if (flags.local && !flags.server.empty()) {
+  const SampleCommand& sample = flags.sample;
+  if (flags.local && !flags.server.server.empty()) {
     throw CLI::ValidationError("--local and --server exclude each other");
   }
   if (flags.threads.has_value() && !flags.local) {
     throw CLI::ValidationError("--threads needs --local; a server chooses its own");
   }
-  if (flags.sample.options.method != SamplingMethod::kCcst && !flags.sample.mesh_path.empty()) {
+  if (flags.local && (sample.detach || sample.skip_cache_lookup || !sample.display_name.empty() ||
+                      !sample.labels.empty())) {
+    throw CLI::ValidationError("--detach, --name, --label and --no-cache need a server");
+  }
+  if (sample.detach && !(sample.samples_path.empty() && sample.mesh_path.empty() &&
+                         sample.picture_path.empty() && sample.summary_path.empty())) {
+    throw CLI::ValidationError(
+        "--detach leaves before there is anything to write; ccst fetch writes it later");
+  }
+  if (sample.options.method != SamplingMethod::kCcst && !sample.mesh_path.empty()) {
     throw CLI::ValidationError(
         "--mesh-output needs --method ccst; the others make no mesh: write their samples with -o");
   }
-  if (const absl::Status status = CheckOutputs(flags.sample); !status.ok()) {
+  if (const absl::Status status = CheckOutputs(sample); !status.ok()) {
     throw CLI::ValidationError(std::string(status.message()));
   }
 }
 
-std::string ServerAddress(const Flags& flags, const char* environment_server) {
-  if (!flags.server.empty()) return flags.server;
+std::string AddressOf(const std::string& given, const char* environment_server) {
+  if (!given.empty()) return given;
   if (environment_server != nullptr && *environment_server != '\0') return environment_server;
   return kDefaultServer;
+}
+
+// Throws CLI::ValidationError.
+SampleCommand FinishSample(const Flags& flags) {
+  CheckSample(flags);
+  SampleCommand command = flags.sample;
+  if (flags.crease_angle.has_value()) {
+    command.options.crease_angle = *flags.crease_angle * std::numbers::pi / 180.0;
+  }
+  command.options.max_iterations =
+      flags.max_iterations.value_or(DefaultMaxIterations(command.options.method));
+  if (flags.local) {
+    command.options.thread_count =
+        flags.threads.value_or(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  }
+  return command;
 }
 
 }  // namespace
@@ -231,32 +229,26 @@ Command ParseCommandLine(int argc, const char* const* argv, const char* environm
     return "ccst: " + std::string(error.what()) + "\nccst sample --help says what is right\n";
   });
   const CLI::App* sample = AddSample(app, flags);
-  AddInfo(app, flags);
+  const CLI::App* info = AddInfo(app, flags);
+  AddJobCommands(app, flags.server, flags.jobs);
+  Command command;
   try {
     app.parse(argc, argv);
-    if (sample->parsed()) CheckSample(flags);
+    if (sample->parsed()) {
+      command = FinishSample(flags);
+    } else if (info->parsed()) {
+      command = flags.info;
+    } else {
+      command = FinishJobCommand(app, flags.jobs);
+    }
   } catch (const CLI::ParseError& error) {
     return Done{app.exit(error) == 0 ? kOk : kUsage};
   }
-  const std::string server = ServerAddress(flags, environment_server);
-  if (!sample->parsed()) {
-    flags.info.server = server;
-    flags.info.server_flags = flags.server_flags;
-    return flags.info;
+  flags.server.server = AddressOf(flags.server.server, environment_server);
+  if (!flags.local) {
+    std::visit([&flags](auto& chosen) { SetServer(flags.server, chosen); }, command);
   }
-  if (flags.crease_angle.has_value()) {
-    flags.sample.options.crease_angle = *flags.crease_angle * std::numbers::pi / 180.0;
-  }
-  flags.sample.options.max_iterations =
-      flags.max_iterations.value_or(DefaultMaxIterations(flags.sample.options.method));
-  if (flags.local) {
-    flags.sample.options.thread_count =
-        flags.threads.value_or(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
-  } else {
-    flags.sample.server = server;
-    flags.sample.server_flags = flags.server_flags;
-  }
-  return flags.sample;
+  return command;
 }
 
 }  // namespace ccst::cli

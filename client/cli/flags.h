@@ -1,8 +1,10 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "client/cli/server_flags.h"
 #include "core/sampling/sampling.h"
@@ -18,26 +20,80 @@ enum class ProgressStyle {
   kNone,
 };
 
-/// `ccst sample`. Output paths are empty where none is wanted; `-` is standard output.
-struct SampleCommand {
-  std::string mesh;
-  SamplingOptions options;
-  std::string texture_path;  ///< Image of a texture density.
+/// A server, as every command that needs one has it.
+struct ServerAddress {
+  std::string server;  ///< HOST:PORT; of `ccst sample`, empty: in the process.
+  ServerFlags server_flags;
+};
+
+/// Where to write what came out: empty where it is not wanted; `-` is standard output.
+struct OutputPaths {
   std::string samples_path;
   std::string mesh_path;
   std::string picture_path;
   std::string summary_path;
-  std::string server;  ///< HOST:PORT; empty: in the process.
-  ServerFlags server_flags;
+};
+
+/// `ccst sample`.
+struct SampleCommand : ServerAddress, OutputPaths {
+  std::string mesh;
+  SamplingOptions options;
+  std::string texture_path;  ///< Image of a texture density.
+  ProgressStyle progress = ProgressStyle::kAuto;
+  std::optional<int> quantization_bits;
+  bool detach = false;
+  bool skip_cache_lookup = false;
+  std::string display_name;
+  std::map<std::string, std::string> labels;
+};
+
+/// `ccst info`.
+struct InfoCommand : ServerAddress {
+  bool json = false;
+};
+
+/// `ccst upload`.
+struct UploadCommand : ServerAddress {
+  std::string mesh;
+  std::string display_name;
   ProgressStyle progress = ProgressStyle::kAuto;
   std::optional<int> quantization_bits;
 };
 
-/// `ccst info`.
-struct InfoCommand {
-  std::string server;
-  ServerFlags server_flags;
+/// `ccst meshes`.
+struct MeshesCommand : ServerAddress {
   bool json = false;
+};
+
+/// `ccst jobs`.
+struct JobsCommand : ServerAddress {
+  std::vector<std::string> states;  ///< As StateName() calls them; empty: all.
+  std::map<std::string, std::string> labels;
+  bool json = false;
+};
+
+/// `ccst watch`. Jobs are `jobs/{id}`, here and below, also where the bare id was given.
+struct WatchCommand : ServerAddress {
+  std::string job;
+  ProgressStyle progress = ProgressStyle::kAuto;
+  double patience_seconds = 60.0;
+};
+
+/// `ccst cancel`.
+struct CancelCommand : ServerAddress {
+  std::string job;
+};
+
+/// `ccst delete`.
+struct DeleteCommand : ServerAddress {
+  std::string name;  ///< Of a job or a mesh.
+};
+
+/// `ccst fetch`.
+struct FetchCommand : ServerAddress, OutputPaths {
+  std::string job;
+  std::string surface;  ///< The mesh file; empty: as the server has it.
+  std::optional<int> quantization_bits;
 };
 
 /// Nothing to do: help or the version was printed, or the command line was wrong and the error
@@ -46,7 +102,8 @@ struct Done {
   int exit_code = 0;
 };
 
-using Command = std::variant<Done, SampleCommand, InfoCommand>;
+using Command = std::variant<Done, SampleCommand, InfoCommand, UploadCommand, MeshesCommand,
+                             JobsCommand, WatchCommand, CancelCommand, DeleteCommand, FetchCommand>;
 
 /// What `--method` calls it.
 std::string MethodName(SamplingMethod method);

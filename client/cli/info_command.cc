@@ -50,7 +50,7 @@ std::string InfoText(const std::string& server, const v1::GetServerInfoResponse&
 
 }  // namespace
 
-ExitCode RunInfo(const InfoCommand& command) {
+ExitCode Run(const InfoCommand& command) {
   auto client = ConnectTo(command.server, command.server_flags);
   if (!client.ok()) {
     PrintError(client.status(), command.server);

@@ -1,19 +1,12 @@
 #include "client/cli/interrupt.h"
 
-#include <string_view>
-
 #include <unistd.h>
 
 #include "client/cli/exit_code.h"
 
 namespace ccst::cli {
-namespace {
 
-constexpr std::string_view kNotice = "\ncancelling; Ctrl-C again leaves at once\n";
-
-}  // namespace
-
-Interrupt::Interrupt() {
+Interrupt::Interrupt(const std::string& notice) : notice_("\n" + notice + "\n") {
   sigemptyset(&signals_);
   sigaddset(&signals_, SIGINT);
   sigaddset(&signals_, SIGTERM);
@@ -35,7 +28,7 @@ void Interrupt::Wait() {
     if (done_) return;
     if (stop_.stop_requested()) _exit(kCancelled);
     if (signal == SIGINT && isatty(STDERR_FILENO) == 1) {
-      [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kNotice.data(), kNotice.size());
+      [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, notice_.data(), notice_.size());
     }
     stop_.request_stop();
   }

@@ -7,15 +7,22 @@
 #include "client/cli/exit_code.h"
 #include "client/cli/flags.h"
 
+namespace {
+
+int Start(const ccst::cli::Done& done) { return done.exit_code; }
+
+template <typename Command>
+int Start(const Command& command) {
+  return ccst::cli::Run(command);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   try {
     const ccst::cli::Command command =
         ccst::cli::ParseCommandLine(argc, argv, std::getenv("CCST_SERVER"));
-    if (const auto* sample = std::get_if<ccst::cli::SampleCommand>(&command))
-      return ccst::cli::RunSample(*sample);
-    if (const auto* info = std::get_if<ccst::cli::InfoCommand>(&command))
-      return ccst::cli::RunInfo(*info);
-    return std::get<ccst::cli::Done>(command).exit_code;
+    return std::visit([](const auto& chosen) -> int { return Start(chosen); }, command);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "ccst: %s\n", error.what());
     return ccst::cli::kFailed;

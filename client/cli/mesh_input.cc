@@ -89,6 +89,11 @@ bool IsBinaryStl(std::string_view bytes) {
 
 }  // namespace
 
+void NameOwnFaces(const std::vector<std::int32_t>& face_source, SampleSet& samples) {
+  if (face_source.empty()) return;
+  for (std::int32_t& face : samples.faces) face = face_source[static_cast<std::size_t>(face)];
+}
+
 MeshFormat RecogniseFormat(std::string_view bytes) {
   if (bytes.starts_with("DRACO")) return MeshFormat::kDraco;
   if (bytes.starts_with("ply")) return MeshFormat::kPly;
@@ -111,7 +116,8 @@ absl::StatusOr<MeshInput> ReadMeshInput(const std::string& path,
   const bool is_exact =
       !quantization_bits.has_value() && input.wire.positions.size() <= 3 * input.wire.faces.size();
   if (is_exact && transport == Transport::kLocal) return input;
-  CCST_ASSIGN_OR_RETURN(input.draco, EncodeDraco(input.wire, quantization_bits));
+  CCST_ASSIGN_OR_RETURN(input.draco,
+                        EncodeDraco(input.wire, quantization_bits, input.file.face_source));
   if (!is_exact) {
     CCST_ASSIGN_OR_RETURN(TriangleMesh decoded, DecodeDraco(input.draco));
     input.max_move = LargestMove(input.wire, decoded);

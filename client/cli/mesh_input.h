@@ -1,14 +1,17 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "absl/status/statusor.h"
 #include "core/io/mesh_file.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/sampling/sampling.h"
 
 namespace ccst::cli {
 
@@ -29,6 +32,10 @@ enum class Transport { kLocal, kRemote };
 /// @errors those of ReadMeshFile(), ToWirePrecision() and EncodeDraco()
 absl::StatusOr<MeshInput> ReadMeshInput(const std::string& path,
                                         std::optional<int> quantization_bits, Transport transport);
+
+/// Gives samples the numbers that faces have in the file: those of their triangles otherwise.
+/// @param face_source  as in MeshFile; empty leaves the samples as they are.
+void NameOwnFaces(const std::vector<std::int32_t>& face_source, SampleSet& samples);
 
 /// The format that `bytes` begin like; OBJ, which has no mark, when like no other.
 MeshFormat RecogniseFormat(std::string_view bytes);

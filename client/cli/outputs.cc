@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "absl/strings/str_cat.h"
-#include "client/cli/summary.h"
 #include "client/render/picture.h"
 #include "core/base/status.h"
 #include "core/io/atomic_file.h"
@@ -67,25 +66,24 @@ absl::Status CheckWritable(const std::string& path) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::string> EncodePicture(const MeshInput& input, const SampleOutcome& outcome) {
-  CCST_ASSIGN_OR_RETURN(const RgbImage image,
-                        RenderPicture(input.file.mesh, outcome.result.samples));
+absl::StatusOr<std::string> EncodePicture(const TriangleMesh& surface, const SampleSet& samples) {
+  CCST_ASSIGN_OR_RETURN(const RgbImage image, RenderPicture(surface, samples));
   return EncodePng(image);
 }
 
 }  // namespace
 
-absl::Status CheckOutputs(const SampleCommand& command) {
-  const std::string& samples = command.samples_path;
-  const std::string& mesh = command.mesh_path;
+absl::Status CheckOutputs(const OutputPaths& paths) {
+  const std::string& samples = paths.samples_path;
+  const std::string& mesh = paths.mesh_path;
   CCST_RETURN_IF_ERROR(CheckExtension(SampleFormatFromPath(samples).has_value(), "-o", samples,
                                       ".ply .csv .xyz .obj .drc"));
   CCST_RETURN_IF_ERROR(CheckExtension(MeshOutputFormatFromPath(mesh).has_value(), "--mesh-output",
                                       mesh, ".obj .ply .stl .off .glb .drc"));
   CCST_RETURN_IF_ERROR(
-      CheckExtension(IsPng(command.picture_path), "--picture", command.picture_path, ".png"));
+      CheckExtension(IsPng(paths.picture_path), "--picture", paths.picture_path, ".png"));
   std::set<std::string> seen;
-  for (const std::string& path : {samples, mesh, command.picture_path, command.summary_path}) {
+  for (const std::string& path : {samples, mesh, paths.picture_path, paths.summary_path}) {
     CCST_RETURN_IF_ERROR(CheckWritable(path));
     if (path.empty()) continue;
     const bool is_new = path == "/dev/null" ||
@@ -98,27 +96,27 @@ absl::Status CheckOutputs(const SampleCommand& command) {
   return absl::OkStatus();
 }
 
-absl::Status WriteOutputs(const SampleCommand& command, const MeshInput& input,
-                          const SampleOutcome& outcome) {
-  const SampleSet& samples = outcome.result.samples;
+absl::Status WriteOutputs(const OutputPaths& paths, const TriangleMesh& surface,
+                          const FinishedRun& run) {
+  const SampleSet& samples = run.outcome.result.samples;
   std::vector<std::pair<std::string, std::string>> files;  // Path and contents.
   std::string contents;
-  if (!command.samples_path.empty()) {
-    CCST_ASSIGN_OR_RETURN(contents, EncodeSamples(samples, SamplesFormat(command.samples_path)));
-    files.emplace_back(command.samples_path, std::move(contents));
+  if (!paths.samples_path.empty()) {
+    CCST_ASSIGN_OR_RETURN(contents, EncodeSamples(samples, SamplesFormat(paths.samples_path)));
+    files.emplace_back(paths.samples_path, std::move(contents));
   }
-  if (!command.mesh_path.empty()) {
+  if (!paths.mesh_path.empty()) {
     CCST_ASSIGN_OR_RETURN(contents,
                           EncodeMesh({samples.positions, samples.triangles, samples.attributes},
-                                     MeshFormat(command.mesh_path)));
-    files.emplace_back(command.mesh_path, std::move(contents));
+                                     MeshFormat(paths.mesh_path)));
+    files.emplace_back(paths.mesh_path, std::move(contents));
   }
-  if (!command.picture_path.empty()) {
-    CCST_ASSIGN_OR_RETURN(contents, EncodePicture(input, outcome));
-    files.emplace_back(command.picture_path, std::move(contents));
+  if (!paths.picture_path.empty()) {
+    CCST_ASSIGN_OR_RETURN(contents, EncodePicture(surface, samples));
+    files.emplace_back(paths.picture_path, std::move(contents));
   }
-  if (!command.summary_path.empty()) {
-    files.emplace_back(command.summary_path, SummaryJson(command, outcome));
+  if (!paths.summary_path.empty()) {
+    files.emplace_back(paths.summary_path, SummaryJson(run));
   }
   for (const auto& [path, bytes] : files) CCST_RETURN_IF_ERROR(WriteFileAtomically(path, bytes));
   return absl::OkStatus();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include <nlohmann/json.hpp>
 #include <sys/ioctl.h>
@@ -92,6 +93,24 @@ void ProgressPrinter::Note(const std::string& text) {
     std::fprintf(out_, "%s\n", text.c_str());
   }
   std::fflush(out_);
+}
+
+SampleCallbacks CallbacksThatShow(ProgressPrinter& printer) {
+  SampleCallbacks callbacks;
+  callbacks.on_snapshot = [&printer](const v1::Job& snapshot) {
+    if (snapshot.state() != v1::Job::STATE_QUEUED || snapshot.queue_position() == 0) return;
+    printer.Note(absl::StrCat("waiting; jobs ahead: ", snapshot.queue_position()));
+  };
+  callbacks.on_progress = [&printer](const AlternationReport& report) { printer.Show(report); };
+  callbacks.on_upload = [&printer, shown = std::int64_t{-1}](std::int64_t sent,
+                                                             std::int64_t total) mutable {
+    const std::int64_t tenths = 10 * sent / total;
+    if (tenths == shown) return;
+    shown = tenths;
+    printer.Note(absl::StrFormat("uploading: %d %% of %.1f MiB", 10 * tenths,
+                                 static_cast<double>(total) / (1 << 20)));
+  };
+  return callbacks;
 }
 
 void ProgressPrinter::Finish() {

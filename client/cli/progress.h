@@ -4,6 +4,7 @@
 #include <string>
 
 #include "client/cli/flags.h"
+#include "client/lib/client.h"
 #include "core/sampling/run_control.h"
 
 namespace ccst::cli {
@@ -40,5 +41,9 @@ class ProgressPrinter {
   std::FILE* out_;
   bool line_is_open_ = false;
 };
+
+/// Callbacks that show alternations, places in the queue and uploads on `printer`, which must
+/// outlive them.
+SampleCallbacks CallbacksThatShow(ProgressPrinter& printer);
 
 }  // namespace ccst::cli

@@ -27,22 +27,35 @@ ExitCode Fail(ProgressPrinter& printer, const absl::Status& status, const std::s
   return ExitCodeFor(status);
 }
 
-absl::StatusOr<SampleOutcome> SampleRemotely(MeshInput& input, const SampleCommand& command,
-                                             ProgressPrinter& printer,
-                                             const std::stop_token& stop) {
+SampleJob ToJob(MeshInput& input, const SampleCommand& command) {
   SampleJob job;
   job.draco = std::move(input.draco);
   job.mesh = std::move(input.wire);
   job.origin = input.origin;
   job.options = command.options;
-  SampleCallbacks callbacks;
-  callbacks.on_snapshot = [&printer](const v1::Job& snapshot) {
-    if (snapshot.state() != v1::Job::STATE_QUEUED || snapshot.queue_position() == 0) return;
-    printer.Note(absl::StrCat("waiting; jobs ahead: ", snapshot.queue_position()));
-  };
-  callbacks.on_progress = [&printer](const AlternationReport& report) { printer.Show(report); };
+  job.display_name = command.display_name;
+  job.labels = command.labels;
+  job.skip_cache_lookup = command.skip_cache_lookup;
+  return job;
+}
+
+absl::StatusOr<SampleOutcome> SampleRemotely(MeshInput& input, const SampleCommand& command,
+                                             ProgressPrinter& printer,
+                                             const std::stop_token& stop) {
   CCST_ASSIGN_OR_RETURN(Client client, ConnectTo(command.server, command.server_flags));
-  return client.Sample(job, callbacks, stop);
+  return client.Sample(ToJob(input, command), CallbacksThatShow(printer), stop);
+}
+
+// Starts the job and prints its name alone.
+absl::Status Detach(MeshInput& input, const SampleCommand& command, ProgressPrinter& printer,
+                    const std::stop_token& stop) {
+  CCST_ASSIGN_OR_RETURN(Client client, ConnectTo(command.server, command.server_flags));
+  CCST_ASSIGN_OR_RETURN(
+      const v1::Job job,
+      client.CreateJob(ToJob(input, command), CallbacksThatShow(printer).on_upload, stop));
+  printer.Finish();
+  std::printf("%s\n", job.name().c_str());
+  return absl::OkStatus();
 }
 
 constexpr std::int64_t kMaxTextureBytes = std::int64_t{256} << 20;
@@ -62,12 +75,6 @@ absl::Status ReadTexture(SampleCommand& command) {
   return absl::OkStatus();
 }
 
-// Faces of the result are triangles of the mesh that was sampled; users know those of their file.
-void NameOwnFaces(const MeshFile& file, SampleSet& samples) {
-  if (file.face_source.empty()) return;
-  for (std::int32_t& face : samples.faces) face = file.face_source[face];
-}
-
 bool HasOutput(const SampleCommand& command) {
   return !command.samples_path.empty() || !command.mesh_path.empty() ||
          !command.picture_path.empty() || !command.summary_path.empty();
@@ -75,7 +82,7 @@ bool HasOutput(const SampleCommand& command) {
 
 }  // namespace
 
-ExitCode RunSample(const SampleCommand& given) {
+ExitCode Run(const SampleCommand& given) {
   Interrupt interrupt;
   ProgressPrinter printer(given.progress, stderr);
   SampleCommand command = given;
@@ -96,6 +103,10 @@ ExitCode RunSample(const SampleCommand& given) {
                  *command.quantization_bits, input->draco.size(), input->max_move);
   }
 
+  if (command.detach) {
+    const absl::Status status = Detach(*input, command, printer, interrupt.token());
+    return status.ok() ? kOk : Fail(printer, status, command.server);
+  }
   auto outcome = is_local
                      ? SampleLocally(
                            *input, command.options,
@@ -107,12 +118,13 @@ ExitCode RunSample(const SampleCommand& given) {
   }
   if (!outcome.ok()) return Fail(printer, outcome.status(), command.server);
   printer.Finish();
-  NameOwnFaces(input->file, outcome->result.samples);
-  if (const absl::Status status = WriteOutputs(command, *input, *outcome); !status.ok()) {
+  NameOwnFaces(input->file.face_source, outcome->result.samples);
+  const FinishedRun run = {command.options, command.server, *std::move(outcome)};
+  if (const absl::Status status = WriteOutputs(command, input->file.mesh, run); !status.ok()) {
     PrintError(status, command.server);
     return kFailed;
   }
-  const std::string figures = SummaryText(command, *outcome);
+  const std::string figures = SummaryText(run);
   if (!HasOutput(command)) {
     std::fputs(figures.c_str(), stdout);
   } else if (printer.is_for_people()) {

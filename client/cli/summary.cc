@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_format.h"
+#include "client/cli/flags.h"
 
 namespace ccst::cli {
 namespace {
@@ -87,19 +88,20 @@ Json TextOrNull(const std::string& text) { return text.empty() ? Json(nullptr) :
 
 }  // namespace
 
-std::string SummaryJson(const SampleCommand& command, const SampleOutcome& outcome) {
+std::string SummaryJson(const FinishedRun& run) {
+  const SampleOutcome& outcome = run.outcome;
   const SamplingResult& result = outcome.result;
   Json json;
   json["count"] = result.samples.positions.size();
-  json["seed"] = command.options.seed;
-  json["method"] = MethodName(command.options.method);
+  json["seed"] = run.options.seed;
+  json["method"] = MethodName(run.options.method);
   json["converged"] = result.termination == Termination::kConverged;
   json["termination"] = TerminationName(result.termination);
   json["alternations"] = result.alternations;
   json["passes"] = result.passes;
   json["energy"] = result.energy;
   // The other methods have no triangles whose capacities could vary.
-  const bool has_mesh = command.options.method == SamplingMethod::kCcst;
+  const bool has_mesh = run.options.method == SamplingMethod::kCcst;
   json["capacity_cv"] = has_mesh ? Json(result.capacity_cv) : Json(nullptr);
   json["relative_radius"] = result.relative_radius;
   json["samples_digest"] = outcome.record.samples_sha256;
@@ -110,13 +112,14 @@ std::string SummaryJson(const SampleCommand& command, const SampleOutcome& outco
                      {"optimise", result.optimise_seconds},
                      {"total", outcome.record.total_seconds}};
   json["job"] = TextOrNull(outcome.job_name);
-  json["server"] = TextOrNull(command.server);
+  json["server"] = TextOrNull(run.server);
   return json.dump(2) + "\n";
 }
 
-std::string SummaryText(const SampleCommand& command, const SampleOutcome& outcome) {
+std::string SummaryText(const FinishedRun& run) {
+  const SampleOutcome& outcome = run.outcome;
   const SamplingResult& result = outcome.result;
-  const std::string where = command.server.empty() ? "in this process" : "by " + command.server;
+  const std::string where = run.server.empty() ? "in this process" : "by " + run.server;
   std::string text = RepairsText(result.surface.repairs);
   if (result.surface.untriangulated_components > 0) {
     absl::StrAppendFormat(&text,
@@ -131,7 +134,7 @@ std::string SummaryText(const SampleCommand& command, const SampleOutcome& outco
       "%s after %d %s, relative radius %.3f\n",
       result.samples.positions.size(), result.surface.faces, result.samples.triangles.size(), where,
       outcome.record.total_seconds, TerminationText(result.termination), result.alternations,
-      command.options.method == SamplingMethod::kCcst
+      run.options.method == SamplingMethod::kCcst
           ? absl::StrFormat("alternations: capacity variation %.2f %%", 100.0 * result.capacity_cv)
           : "steps",
       result.relative_radius);

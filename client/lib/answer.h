@@ -23,8 +23,6 @@ class Answer {
   absl::StatusOr<SampleOutcome> Finish();
 
  private:
-  absl::StatusOr<SampleOutcome> Check(const v1::SamplingResult& result);
-
   const SampleJob& job_;
   const SampleCallbacks& callbacks_;
   SampleSet samples_;

@@ -14,6 +14,7 @@ namespace ccst {
 namespace {
 
 constexpr int kKeepaliveMs = 30'000;
+constexpr int kMaxReconnectMs = 2'000;
 
 absl::Status Wrong(const std::string& message) {
   return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kOptionInvalid, message);
@@ -86,6 +87,7 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> OpenChannel(const Connection& con
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveMs);
   // So that each attempt really tries to connect.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMaxReconnectMs);
   std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> interceptors;
   if (!connection.token.empty()) {
     interceptors.push_back(std::make_unique<TokenInterceptorFactory>(connection.token));

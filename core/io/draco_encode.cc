@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
 #include "core/io/draco_attributes.h"
+#include "core/io/draco_faces.h"
 #include "core/io/draco_header.h"
 #include "core/io/draco_mesh.h"
 #include "core/io/draco_names.h"
@@ -121,10 +122,12 @@ absl::StatusOr<std::string> Encode(const draco::Mesh& mesh, std::optional<int> q
 }  // namespace
 
 absl::StatusOr<std::string> EncodeDraco(const TriangleMesh& mesh,
-                                        std::optional<int> quantization_bits) {
+                                        std::optional<int> quantization_bits,
+                                        std::span<const std::int32_t> face_source) {
   CCST_RETURN_IF_ERROR(Validate(mesh, quantization_bits));
   CCST_ASSIGN_OR_RETURN(const std::unique_ptr<draco::Mesh> draco_mesh,
                         ToDraco(io::ToStreamLayout(mesh)));
+  io::AddFaceSource(face_source, *draco_mesh);
   CCST_ASSIGN_OR_RETURN(std::string stream, Encode(*draco_mesh, quantization_bits, true));
   // Decoders refuse a sequential stream with fewer than three bytes a face to come, although
   // compressed indices and quantised positions can do with less. Bytes behind the mesh are

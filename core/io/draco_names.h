@@ -10,4 +10,8 @@ inline constexpr char kDracoNameEntry[] = "name";
 /// corners with different values.
 inline constexpr char kDracoSplitsName[] = "ccst.splits";
 
+/// The metadata entry of the mesh that tells which face of its file each triangle was cut from:
+/// runs of three varints, see draco_faces.cc. Only in streams of meshes with polygons.
+inline constexpr char kDracoFacesEntry[] = "ccst.faces";
+
 }  // namespace ccst::io

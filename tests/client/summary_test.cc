@@ -49,15 +49,16 @@ SampleOutcome Outcome() {
   return outcome;
 }
 
-SampleCommand Remote() {
-  SampleCommand command;
-  command.options.seed = 18446744073709551615U;
-  command.server = "here:1";
-  return command;
+FinishedRun Remote() {
+  FinishedRun run;
+  run.options.seed = 18446744073709551615U;
+  run.server = "here:1";
+  run.outcome = Outcome();
+  return run;
 }
 
 TEST(Summary, HasTheKeysOfTheContract) {
-  const auto json = nlohmann::json::parse(SummaryJson(Remote(), Outcome()));
+  const auto json = nlohmann::json::parse(SummaryJson(Remote()));
   EXPECT_EQ(json.at("count"), 12);
   EXPECT_EQ(json.at("seed"), 18446744073709551615U);
   EXPECT_EQ(json.at("method"), "ccst");
@@ -92,15 +93,16 @@ TEST(Summary, HasTheKeysOfTheContract) {
 }
 
 TEST(Summary, LocalRunsHaveNoJobAndNoServer) {
-  SampleOutcome outcome = Outcome();
-  outcome.job_name.clear();
-  const auto json = nlohmann::json::parse(SummaryJson(SampleCommand(), outcome));
+  FinishedRun run;
+  run.outcome = Outcome();
+  run.outcome.job_name.clear();
+  const auto json = nlohmann::json::parse(SummaryJson(run));
   EXPECT_TRUE(json.at("job").is_null());
   EXPECT_TRUE(json.at("server").is_null());
 }
 
 TEST(Summary, TextNamesTheFigures) {
-  const std::string text = SummaryText(Remote(), Outcome());
+  const std::string text = SummaryText(Remote());
   for (const char* part :
        {"12 samples", "20 triangles", "here:1", "time limit", "25.00 %", "0.700"}) {
     EXPECT_THAT(text, HasSubstr(part));
@@ -108,15 +110,14 @@ TEST(Summary, TextNamesTheFigures) {
 }
 
 TEST(Summary, TextSaysWhatWasRepairedAndWhatIsNotTriangulated) {
-  SampleOutcome outcome = Outcome();
-  EXPECT_THAT(SummaryText(Remote(), outcome),
+  FinishedRun run = Remote();
+  EXPECT_THAT(SummaryText(run),
               AllOf(HasSubstr("repaired: 4 vertices welded"), HasSubstr("12 edges of three"),
                     HasSubstr("15 faces turned over\n"), HasSubstr("6 of 1 components"),
                     HasSubstr("7 samples")));
-  outcome.result.surface.repairs = {};
-  outcome.result.surface.untriangulated_components = 0;
-  EXPECT_THAT(SummaryText(Remote(), outcome),
-              Not(AnyOf(HasSubstr("repaired"), HasSubstr("components"))));
+  run.outcome.result.surface.repairs = {};
+  run.outcome.result.surface.untriangulated_components = 0;
+  EXPECT_THAT(SummaryText(run), Not(AnyOf(HasSubstr("repaired"), HasSubstr("components"))));
 }
 
 }  // namespace

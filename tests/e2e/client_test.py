@@ -209,7 +209,8 @@ class ExitCodes(Remote):
             self.assertEqual(result.returncode, 2, (flags, result.stderr))
 
     def test_limits_of_the_server_are_2(self):
-        small = Server("--max-sample-count", "50", "--max-inline-mesh-bytes", "1000")
+        small = Server("--max-sample-count", "50", "--max-inline-mesh-bytes", "1000",
+                       "--max-mesh-bytes", "1000")  # fmt: skip
         self.addCleanup(small.stop)
         mesh = self.write("a.obj", torus())
         for count in ("51", "50"):  # The second passes the count, but not the size.

@@ -21,15 +21,15 @@ def environment():
 
 
 class Server:
-    """A real server on a free port of the loopback interface."""
+    """A real server on the loopback interface, on a free port unless told otherwise."""
 
-    def __init__(self, *flags):
+    def __init__(self, *flags, listen="127.0.0.1:0"):
         self._log = tempfile.TemporaryFile()
         self._data = tempfile.TemporaryDirectory()
         if "--data-dir" not in flags:
             flags = (*flags, "--data-dir", self._data.name)
         self.process = subprocess.Popen(
-            [CCST_SERVER, "--listen", "127.0.0.1:0", *flags],
+            [CCST_SERVER, "--listen", listen, *flags],
             stdout=subprocess.PIPE,
             stderr=self._log,
             text=True,

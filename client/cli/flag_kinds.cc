@@ -1,0 +1,50 @@
+#include "client/cli/flag_kinds.h"
+
+namespace ccst::cli {
+namespace {
+
+const std::vector<std::pair<std::string, ProgressStyle>> kProgressStyles = {
+    {"auto", ProgressStyle::kAuto},
+    {"bar", ProgressStyle::kBar},
+    {"lines", ProgressStyle::kLines},
+    {"json", ProgressStyle::kJson},
+    {"none", ProgressStyle::kNone}};
+
+}  // namespace
+
+void AddProgress(CLI::App& app, ProgressStyle& progress) {
+  AddChoice(app, "--progress", kProgressStyles, progress,
+            "auto, bar, lines, json or none, on standard error");
+}
+
+void AddQuantization(CLI::App& app, std::optional<int>& bits) {
+  app.add_option("--quantization-bits", bits,
+                 "Send coordinates with N bits, 1 to 24: smaller uploads, moved vertices")
+      ->type_name("N")
+      ->check(CLI::Range(1, 24).description(""));
+}
+
+void AddLabels(CLI::App& app, std::map<std::string, std::string>& labels, const std::string& help) {
+  const auto assign = [&labels](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) {
+      const std::size_t equals = text.find('=');
+      if (equals == std::string::npos || equals == 0) {
+        throw CLI::ValidationError("--label", "'" + text + "' is not of the form KEY=VALUE");
+      }
+      labels[text.substr(0, equals)] = text.substr(equals + 1);
+    }
+  };
+  app.add_option_function<std::vector<std::string>>("--label", assign, help)
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all();
+}
+
+void AddServer(CLI::App& app, ServerAddress& server) {
+  app.add_option("--server", server.server,
+                 "Server that computes; else $CCST_SERVER, else localhost:50051")
+      ->type_name("HOST:PORT");
+  AddServerFlags(app, server.server_flags);
+}
+
+}  // namespace ccst::cli
