@@ -17,7 +17,7 @@ namespace v1 = ccst::v1;
 // The order of the types in requests.cc.
 enum Type : char { kSample, kCreateJob, kListJobs, kFind, kUpload, kCreateMesh, kName, kStored };
 
-const std::string kSha256(64, 'a');  // NOLINT(cert-err58-cpp): short of memory, nothing runs.
+constexpr char kSha256[] = "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa";
 
 v1::SamplingOptions Options() {
   v1::SamplingOptions options;
@@ -57,12 +57,12 @@ void WriteAll(const std::filesystem::path& folder) {
   sample.set_preview_sample_count(10);
   (*sample.mutable_labels())["key"] = "value";
   Write(folder, "sample", kSample, sample.SerializeAsString());
-  sample.set_mesh_name("meshes/" + kSha256);
+  sample.set_mesh_name(std::string("meshes/") + kSha256);
   sample.mutable_options()->mutable_texture()->set_image("PNG");
   Write(folder, "sample-texture", kSample, sample.SerializeAsString());
 
   v1::CreateJobRequest create;
-  create.mutable_spec()->set_mesh("meshes/" + kSha256);
+  create.mutable_spec()->set_mesh(std::string("meshes/") + kSha256);
   *create.mutable_spec()->mutable_options() = Options();
   create.mutable_spec()->mutable_options()->mutable_attribute()->set_attribute_name("weight");
   create.set_request_id("request");
@@ -74,7 +74,7 @@ void WriteAll(const std::filesystem::path& folder) {
   v1::ListJobsRequest list;
   list.set_page_size(5);
   list.add_states(v1::Job::STATE_RUNNING);
-  list.set_mesh("meshes/" + kSha256);
+  list.set_mesh(std::string("meshes/") + kSha256);
   (*list.mutable_labels())["key"] = "value";
   Write(folder, "list-jobs", kListJobs, list.SerializeAsString());
 
@@ -89,7 +89,7 @@ void WriteAll(const std::filesystem::path& folder) {
   mesh.set_data("DRACO");
   Write(folder, "create-mesh", kCreateMesh, mesh.SerializeAsString());
 
-  Write(folder, "mesh-name", kName, "meshes/" + kSha256);
+  Write(folder, "mesh-name", kName, std::string("meshes/") + kSha256);
   Write(folder, "job-name", kName, "jobs/01234567-89ab-4cde-8f01-23456789abcd");
   Write(folder, "mesh-path", kName, "meshes/../../x");
 

@@ -8,7 +8,7 @@ from harness import Client, Folder, Report, Server, arguments, options, sampling
 def run_jobs(client, data, count, first_seed):
     for seed in range(first_seed, first_seed + count):
         request = sampling_service_pb2.SampleRequest(
-            options=options(500, seed, max_iterations=10), skip_cache_lookup=True,
+            options=options(300, seed, max_iterations=5), skip_cache_lookup=True,
             preview_sample_count=100)
         request.inline_mesh.format = 1
         request.inline_mesh.data = data

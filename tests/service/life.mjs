@@ -17,7 +17,7 @@ const ENDED = new Set(['STATE_SUCCEEDED', 'STATE_FAILED', 'STATE_CANCELLED']);
 const definition = loader.loadSync(
   ['mesh_service', 'sampling_service', 'server_info_service'].map((n) => `ccst/v1/${n}.proto`),
   // Strings: 64-bit numbers do not fit JavaScript's.
-  { includeDirs: [protoFolder], longs: String, enums: String, defaults: true, oneofs: true },
+  { includeDirs: [protoFolder], keepCase: true, longs: String, enums: String, defaults: true, oneofs: true },
 );
 const { ccst } = grpc.loadPackageDefinition(definition);
 

@@ -183,7 +183,7 @@ def run_fairness(args, report):
 
 def main():
     args = arguments(__doc__, seconds=10.0, callers=64, watchers=200, count=1000, iterations=10,
-                     fair_jobs=10, fair_count=1000, strict=False)
+                     fair_jobs=5, fair_count=300, strict=False)
     report = Report()
     run_load(args, report)
     run_fairness(args, report)
