@@ -31,18 +31,21 @@ std::string StateDirectory() {
   return std::string(home != nullptr ? home : "") + "/.local/state/ccst";
 }
 
-// The first directory of the user's that no other server has open, where none was asked for.
+// The first directory of the user's that no other server has open, where `directory` is empty; says
+// there which it is.
 absl::StatusOr<std::unique_ptr<Store>> OpenStore(
-    const std::string& directory, const std::function<void(const std::string&)>& report) {
+    std::string& directory, const std::function<void(const std::string&)>& report) {
   if (!directory.empty()) return OpenEmbeddedStore(directory);
   absl::Status last;
   for (int i = 1; i <= kMaxDefaultDirectories; ++i) {
     const std::string name = i == 1 ? "server" : "server-" + std::to_string(i);
-    auto store = OpenEmbeddedStore(StateDirectory() + "/" + name);
+    const std::string candidate = StateDirectory() + "/" + name;
+    auto store = OpenEmbeddedStore(candidate);
     if (store.ok() && i > 1) {
       report("another server has the default data directory; this one keeps its jobs in " + name +
              " beside it; set --data-dir to say where");
     }
+    if (store.ok()) directory = candidate;
     if (store.ok() || !absl::IsFailedPrecondition(store.status())) return store;
     last = store.status();
   }
@@ -58,7 +61,8 @@ absl::StatusOr<std::unique_ptr<Backend>> Backend::Open(const ServerOptions& opti
                                                        Dependencies dependencies) {
   std::unique_ptr<Backend> backend(new Backend);
   backend->report_ = dependencies.report;
-  CCST_ASSIGN_OR_RETURN(backend->store_, OpenStore(options.data_dir, dependencies.report));
+  backend->data_dir_ = options.data_dir;
+  CCST_ASSIGN_OR_RETURN(backend->store_, OpenStore(backend->data_dir_, dependencies.report));
   backend->pins_ = std::make_unique<BlobPins>(*backend->store_);
   backend->meshes_ =
       std::make_unique<MeshStore>(*backend->store_, *backend->pins_, options.MeshOptions(),

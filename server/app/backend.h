@@ -36,6 +36,8 @@ class Backend {
   JobManager& jobs() { return *jobs_; }
   MeshStore& meshes() { return *meshes_; }
   Store& store() { return *store_; }
+  /// Where the store is, once it is open.
+  const std::string& data_dir() const { return data_dir_; }
   BlobPins& pins() { return *pins_; }
   Executor& disk() { return disk_; }
   Executor& heavy() { return heavy_; }
@@ -48,6 +50,7 @@ class Backend {
   Backend();
 
   std::function<void(const std::string&)> report_;
+  std::string data_dir_;
   std::unique_ptr<Store> store_;
   std::unique_ptr<BlobPins> pins_;
   std::unique_ptr<MeshStore> meshes_;

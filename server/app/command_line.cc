@@ -14,6 +14,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/version.h"
+#include "server/app/health_check.h"
 #include "server/auth/token.h"
 
 namespace ccst::server {
@@ -189,10 +190,13 @@ std::variant<Done, ServerOptions> ParseCommandLine(int argc, const char* const* 
                                                  " (", std::string(SourceRevision()), ")"));
   std::string config;
   bool check = false;
+  bool health = false;
   std::string new_token;
   app.add_option("--config", config, "File of settings, a line each: flag = value")
       ->envname("CCST_CONFIG");
   app.add_flag("--check-config", check, "Print the settings, or what is wrong, and exit");
+  app.add_flag("--health", health,
+               "Ask the server with these settings whether it serves, and exit");
   app.add_option("--new-token", new_token, "Print a new token and its line, and exit")
       ->type_name("NAME[:read-only]");
   Flags flags(app, options);
@@ -207,6 +211,10 @@ std::variant<Done, ServerOptions> ParseCommandLine(int argc, const char* const* 
     options.runner.max_running_jobs = DefaultMaxRunningJobs(options.threads_per_job);
   }
   if (const absl::Status status = options.Validate(); !status.ok()) return Done{Fail(status)};
+  if (health) {
+    const absl::Status status = CheckHealth(options);
+    return status.ok() ? Done{EXIT_SUCCESS} : Done{Fail(status)};
+  }
   if (!check) return options;
   if (const absl::Status status = options.security.CheckFiles(); !status.ok()) {
     return Done{Fail(status)};

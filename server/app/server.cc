@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
@@ -173,11 +175,16 @@ absl::Status Server::ServeMetrics() {
   metrics_.SetLoadReader([this] {
     const JobManager& jobs = backend_->jobs();
     const RunnerLoad load = jobs.Load();
+    std::error_code unknown;  // Then both are -1: no alarm over a failed look.
+    const std::filesystem::space_info disk = std::filesystem::space(backend_->data_dir(), unknown);
     return LoadSample{.queued_jobs = load.queued,
+                      .queued_jobs_limit = jobs.options().runner.max_queued_jobs,
                       .running_jobs = load.running,
                       .watchers = jobs.watcher_count(),
                       .memory_bytes = jobs.memory().used_bytes(),
-                      .memory_limit_bytes = jobs.memory().limit_bytes()};
+                      .memory_limit_bytes = jobs.memory().limit_bytes(),
+                      .storage_bytes = static_cast<std::int64_t>(disk.capacity),
+                      .storage_free_bytes = static_cast<std::int64_t>(disk.available)};
   });
   CCST_ASSIGN_OR_RETURN(metrics_address_, metrics_.Serve(options_.metrics_listen));
   log_.Message("metrics on " + metrics_address_);

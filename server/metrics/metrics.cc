@@ -51,10 +51,13 @@ class Load final : public prometheus::Collectable {
     if (!read_) return {};
     const LoadSample load = read_();
     return {Gauge("ccst_jobs_queued", "Jobs that wait.", load.queued_jobs),
+            Gauge("ccst_jobs_queued_limit", "Jobs that may wait.", load.queued_jobs_limit),
             Gauge("ccst_jobs_running", "Jobs that compute.", load.running_jobs),
             Gauge("ccst_watchers", "Streams that follow a job.", load.watchers),
             Gauge("ccst_memory_bytes", "Memory of the budget in use.", load.memory_bytes),
-            Gauge("ccst_memory_limit_bytes", "The memory budget.", load.memory_limit_bytes)};
+            Gauge("ccst_memory_limit_bytes", "The memory budget.", load.memory_limit_bytes),
+            Gauge("ccst_storage_bytes", "Size of the data directory's disk.", load.storage_bytes),
+            Gauge("ccst_storage_free_bytes", "What is free there.", load.storage_free_bytes)};
   }
 
  private:

@@ -14,10 +14,13 @@ namespace ccst::server {
 /// What is so at this moment; asked for with every scrape.
 struct LoadSample {
   std::int64_t queued_jobs = 0;
+  std::int64_t queued_jobs_limit = 0;  ///< As many may wait.
   std::int64_t running_jobs = 0;
   std::int64_t watchers = 0;            ///< Streams that follow a job.
   std::int64_t memory_bytes = 0;        ///< Of the budget, in use.
   std::int64_t memory_limit_bytes = 0;  ///< The budget; 0: there is none.
+  std::int64_t storage_bytes = 0;       ///< Size of the disk that the data directory is on.
+  std::int64_t storage_free_bytes = 0;  ///< What the server may still write there.
 };
 
 /// Everything that is counted, and its page for Prometheus. Thread-safe.
