@@ -74,7 +74,8 @@ absl::StatusOr<std::vector<std::int32_t>> Expand(const std::vector<std::uint8_t>
       face_source.insert(face_source.end(), run.triangles, static_cast<std::int32_t>(face));
     }
   }
-  if (static_cast<std::int64_t>(face_source.size()) != faces || face_source.front() < 0) {
+  if (face_source.empty() || static_cast<std::int64_t>(face_source.size()) != faces ||
+      face_source.front() < 0) {
     return damaged;
   }
   return face_source;
