@@ -264,6 +264,9 @@ absl::StatusOr<Page<JobSummary>> JobManager::List(const JobFilter& filter, int p
     {
       MutexLock lock(mutex_);
       if (const auto found = live_.find(record.id); found != live_.end()) live = found->second;
+      if (const auto found = unstored_.find(record.id); found != unstored_.end()) {
+        live = found->second;
+      }
     }
     JobSummary summary{.id = record.id, .spec = {}, .view = {}};
     if (live != nullptr) {
@@ -335,17 +338,20 @@ void JobManager::Finish(const std::shared_ptr<Job>& job, absl::StatusOr<JobResul
   }
   if (stored.ok() && !put_back) stored = StoreEnd(*job, end);
   if (!stored.ok()) {
-    // Its record still says that it waits: the next start runs it again.
     end.state = JobState::kFailed;
     end.error = stored;
     end.result = nullptr;
+    end.samples_blob.clear();
+    // A record needs less room than samples do. Sweep() tries again.
+    stored = StoreEnd(*job, end);
   }
   dependencies_.observer->OnEnd(StateName(end.state),
                                 absl::ToDoubleSeconds(*end.end_time - end.create_time));
   {
     MutexLock lock(mutex_);
     live_.erase(job->id());
-    if (!put_back && stored.ok()) ended_[job->id()] = job;
+    if (!put_back) ended_[job->id()] = job;
+    if (!stored.ok()) unstored_[job->id()] = job;
   }
   job->Publish(std::move(end));
 }
@@ -429,10 +435,19 @@ void JobManager::Unwatch(Job& job, std::int64_t watcher) {
 
 absl::Status JobManager::Sweep() {
   std::vector<std::shared_ptr<Job>> live;
+  std::vector<std::shared_ptr<Job>> unstored;
   {
     MutexLock lock(mutex_);
     for (const auto& [id, job] : live_) live.push_back(job);
+    for (const auto& [id, job] : unstored_) unstored.push_back(job);
     std::erase_if(ended_, [](const auto& entry) { return entry.second.expired(); });
+  }
+  for (const auto& job : unstored) {
+    const JobView end = job->View();
+    if (!HasEnded(end.state)) continue;  // Its end is about to be published.
+    CCST_RETURN_IF_ERROR(StoreEnd(*job, end));
+    MutexLock lock(mutex_);
+    unstored_.erase(job->id());
   }
   for (const auto& job : live) {
     const auto& abandon_seconds = job->spec().abandon_seconds;

@@ -97,7 +97,8 @@ class JobManager {
                                      int preview_sample_count);
   void Unwatch(Job& job, std::int64_t watcher);
 
-  /// Cancels what nobody watches any more and drops what has expired; called now and then.
+  /// Cancels what nobody watches any more, drops what has expired and stores the ends that the
+  /// disk did not take before; called now and then.
   absl::Status Sweep();
 
   void StartDraining() { runner_->StartDraining(); }
@@ -143,6 +144,8 @@ class JobManager {
   // Jobs that have not ended, and those ended ones that somebody looks at.
   std::map<std::string, std::shared_ptr<Job>> live_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::weak_ptr<Job>> ended_ ABSL_GUARDED_BY(mutex_);
+  // Ended, but the disk did not take it: their records say that they wait.
+  std::map<std::string, std::shared_ptr<Job>> unstored_ ABSL_GUARDED_BY(mutex_);
   int watchers_ ABSL_GUARDED_BY(mutex_) = 0;
   int storing_ ABSL_GUARDED_BY(mutex_) = 0;
 
