@@ -3,7 +3,6 @@
 #include <chrono>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <grpcpp/create_channel.h>
@@ -12,6 +11,7 @@
 #include <grpcpp/security/tls_credentials_options.h>
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "absl/strings/strip.h"
 #include "core/base/status.h"
 #include "grpc/health/v1/health.grpc.pb.h"
@@ -24,7 +24,7 @@ namespace {
 constexpr std::chrono::seconds kTimeout(4);
 
 // Where this machine reaches who listens on `listen`: loopback for all addresses.
-std::string Reachable(std::string_view listen) {
+std::string Reachable(absl::string_view listen) {
   if (absl::ConsumePrefix(&listen, "0.0.0.0:")) return "127.0.0.1:" + std::string(listen);
   if (absl::ConsumePrefix(&listen, "[::]:")) return "[::1]:" + std::string(listen);
   return std::string(listen);
