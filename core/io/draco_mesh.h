@@ -47,8 +47,8 @@ absl::StatusOr<std::string> EncodeDraco(const TriangleMesh& mesh,
                                         std::span<const std::int32_t> face_source = {});
 
 /// The `face_source` that a stream of EncodeDraco() carries, empty without one: F numbers that
-/// ascend. Reads the metadata alone, and trusts the announced counts: for streams that DecodeDraco()
-/// has taken.
+/// ascend. Reads the metadata alone, and trusts the announced counts: for streams that
+/// DecodeDraco() has taken.
 /// @errors INVALID_ARGUMENT  DRACO_DECODE_FAILED
 absl::StatusOr<std::vector<std::int32_t>> DracoFaceSource(std::span<const char> bytes);
 

@@ -55,7 +55,9 @@ absl::StatusOr<std::unique_ptr<Store>> OpenStore(
 }  // namespace
 
 Backend::Backend()
-    : heavy_(kHeavyThreads, kMaxWaitingHeavy), disk_(kDiskThreads, kMaxWaitingCalls) {}
+    : heavy_(kHeavyThreads, kMaxWaitingHeavy),
+      disk_(kDiskThreads, kMaxWaitingCalls),
+      streams_(kDiskThreads, kMaxWaitingCalls) {}
 
 absl::StatusOr<std::unique_ptr<Backend>> Backend::Open(const ServerOptions& options,
                                                        Dependencies dependencies) {

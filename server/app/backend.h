@@ -40,6 +40,7 @@ class Backend {
   const std::string& data_dir() const { return data_dir_; }
   BlobPins& pins() { return *pins_; }
   Executor& disk() { return disk_; }
+  Executor& streams() { return streams_; }
   Executor& heavy() { return heavy_; }
 
   /// Calls `every_tick` every few seconds from now on, and drops what has expired now and then.
@@ -58,6 +59,7 @@ class Backend {
   // What they run uses all of the above.
   Executor heavy_;
   Executor disk_;
+  Executor streams_;  // Of its own, so that many watchers do not delay calls.
   std::jthread sweeper_;
 };
 

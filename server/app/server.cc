@@ -113,7 +113,7 @@ absl::Status Server::OpenBackend() {
   CCST_ASSIGN_OR_RETURN(backend_, Backend::Open(options_, std::move(backend_dependencies_)));
   JobManager& jobs = backend_->jobs();
   sampling_service_ = std::make_unique<SamplingService>(
-      StreamSupport{.calls = calls_, .executor = backend_->disk(), .open = streams_},
+      StreamSupport{.calls = calls_, .executor = backend_->streams(), .open = streams_},
       JobSupport{.jobs = jobs,
                  .meshes = backend_->meshes(),
                  .blobs = backend_->store().blobs(),

@@ -209,14 +209,14 @@ class ExitCodes(Remote):
             self.assertEqual(result.returncode, 2, (flags, result.stderr))
 
     def test_limits_of_the_server_are_2(self):
-        small = Server("--max-sample-count", "50", "--max-inline-mesh-bytes", "1000",
-                       "--max-mesh-bytes", "1000")  # fmt: skip
-        self.addCleanup(small.stop)
         mesh = self.write("a.obj", torus())
-        for count in ("51", "50"):  # The second passes the count, but not the size.
-            result = self.ccst("sample", mesh, "-n", count, "--server", small.address)
+        few = Server("--max-sample-count", "50")
+        small = Server("--max-inline-mesh-bytes", "1000", "--max-mesh-bytes", "1001")
+        for server, limit in ((few, "max_sample_count"), (small, "max_mesh_bytes")):
+            self.addCleanup(server.stop)
+            result = self.ccst("sample", mesh, "-n", "51", "--server", server.address)
             self.assertEqual(result.returncode, 2, result.stderr)
-            self.assertIn("50" if count == "51" else "1000", result.stderr)
+            self.assertIn(limit, result.stderr)
 
     def test_no_server_is_5(self):
         mesh = self.write("a.obj", torus())

@@ -133,9 +133,9 @@ TEST(Convert, Vector3KeepsEveryField) {
 
 TEST(Convert, SampleRequestHasNoFieldThatIsNotRead) {
   // FromProto(SampleRequest) reads these; a new one belongs there, and then here.
-  const std::set<std::string> read = {
-      "inline_mesh",  "mesh_name", "options", "preview_sample_count", "origin", "skip_cache_lookup",
-      "display_name", "labels"};
+  const std::set<std::string> read = {"inline_mesh",          "mesh_name", "options",
+                                      "preview_sample_count", "origin",    "skip_cache_lookup",
+                                      "display_name",         "labels"};
   const Descriptor& request = *v1::SampleRequest::descriptor();
   for (int i = 0; i < request.field_count(); ++i) {
     EXPECT_TRUE(read.contains(request.field(i)->name())) << request.field(i)->full_name();
@@ -287,7 +287,8 @@ TEST(Convert, BrokenChunksAreRefused) {
 
 TEST(Convert, FullChunksFitTheDefaultMessageLimit) {
   const SampleSet samples = ManySamples(static_cast<int>(kMaxChunkLength));
-  EXPECT_LT(SampleChunkToProto(samples, 0, SamplesPerChunk(samples.attributes)).ByteSizeLong(), 1U << 20);
+  EXPECT_LT(SampleChunkToProto(samples, 0, SamplesPerChunk(samples.attributes)).ByteSizeLong(),
+            1U << 20);
   EXPECT_LT(SampleMeshChunkToProto(samples, 0, kMaxChunkLength).ByteSizeLong(), 1U << 20);
 }
 

@@ -6,6 +6,7 @@ not count. Thresholds fail the run with --strict only: they need a machine that 
 
 import asyncio
 import multiprocessing
+import os
 import random
 import subprocess
 import threading
@@ -73,8 +74,20 @@ class Load:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-        for channel in channels:
-            await channel.close()
+
+
+def generate(address, mesh, args, results):
+    """The load, as a process of its own: grpc.aio does not always come to an end by itself."""
+    load = Load(address, mesh, args.count, args.iterations)
+
+    async def run():
+        await load.run(args.callers, args.watchers, args.seconds)
+        results.put((load.samples, load.watched, load.errors))
+        results.close()
+        results.join_thread()
+        os._exit(0)
+
+    asyncio.run(run())
 
 
 def probe(address, mesh, seconds, results):
@@ -119,15 +132,18 @@ def run_load(args, report):
         memory = []
         watcher = threading.Thread(target=watch_memory, args=(server, args.seconds, memory))
         watcher.start()
-        load = Load(server.address, mesh, args.count, args.iterations)
-        asyncio.run(load.run(args.callers, args.watchers, args.seconds))
+        done = context.Queue()
+        generator = context.Process(target=generate, args=(server.address, mesh, args, done))
+        generator.start()
+        samples, watched, errors = done.get(timeout=args.seconds + 60)
+        generator.join()
         watcher.join()
-        health, create, errors = results.get(timeout=60)
+        health, create, probe_errors = results.get(timeout=60)
         prober.join()
-        errors += load.errors
-        report.figure("streams finished", f"{load.samples} Sample, {load.watched} WatchJob")
+        errors += probe_errors
+        report.figure("streams finished", f"{samples} Sample, {watched} WatchJob")
         report.check(not errors, f"no call failed {errors[:3]}")
-        report.check(load.samples > 0 and load.watched > 0, "callers and watchers were served")
+        report.check(samples > 0 and watched > 0, "callers and watchers were served")
         for name, values, limit in (("health", health, 20.0), ("CreateJob", create, 100.0)):
             report.figure(f"{name} calls, median",
                           f"{len(values)}, {1e3 * percentile(values, 0.5):.2f} ms")
