@@ -118,6 +118,7 @@ absl::Status Server::OpenBackend() {
                  .meshes = backend_->meshes(),
                  .blobs = backend_->store().blobs(),
                  .pins = backend_->pins(),
+                 .disk = backend_->disk(),
                  .heavy = backend_->heavy(),
                  .limits = options_.request_limits});
   const MeshServiceOptions meshes = {.max_inline_mesh_bytes =

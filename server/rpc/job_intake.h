@@ -17,6 +17,7 @@ struct JobSupport {
   MeshStore& meshes;
   BlobStore& blobs;
   BlobPins& pins;
+  Executor& disk;   ///< Short work that blocks on the disk.
   Executor& heavy;  ///< Long computations that are no jobs.
   RequestLimits limits;
 };

@@ -48,8 +48,8 @@ grpc::ServerWriteReactor<v1::SampleResponse>* SamplingService::Sample(
 grpc::ServerUnaryReactor* SamplingService::CreateJob(grpc::CallbackServerContext* context,
                                                      const v1::CreateJobRequest* request,
                                                      v1::CreateJobResponse* response) {
-  return ServeUnaryOn(support_.executor, support_.calls, *context, "CreateJob", Scope::kFull,
-                      *request, *response, [this, request, response](Call& call) -> absl::Status {
+  return ServeUnaryOn(jobs_.disk, support_.calls, *context, "CreateJob", Scope::kFull, *request,
+                      *response, [this, request, response](Call& call) -> absl::Status {
                         v1::Job job;
                         CCST_ASSIGN_OR_RETURN(job, Submit(jobs_, call.caller(), *request));
                         call.record().job = job.name();
@@ -62,8 +62,8 @@ grpc::ServerUnaryReactor* SamplingService::CreateJob(grpc::CallbackServerContext
 grpc::ServerUnaryReactor* SamplingService::GetJob(grpc::CallbackServerContext* context,
                                                   const v1::GetJobRequest* request,
                                                   v1::GetJobResponse* response) {
-  return ServeUnaryOn(support_.executor, support_.calls, *context, "GetJob", Scope::kReadOnly,
-                      *request, *response, [this, request, response](Call& call) -> absl::Status {
+  return ServeUnaryOn(jobs_.disk, support_.calls, *context, "GetJob", Scope::kReadOnly, *request,
+                      *response, [this, request, response](Call& call) -> absl::Status {
                         std::shared_ptr<Job> job;
                         CCST_ASSIGN_OR_RETURN(job, FindJob(jobs_, request->name(), call));
                         *response->mutable_job() = ToProto(*job);
@@ -75,8 +75,8 @@ grpc::ServerUnaryReactor* SamplingService::ListJobs(grpc::CallbackServerContext*
                                                     const v1::ListJobsRequest* request,
                                                     v1::ListJobsResponse* response) {
   return ServeUnaryOn(
-      support_.executor, support_.calls, *context, "ListJobs", Scope::kReadOnly, *request,
-      *response, [this, request, response](Call& call) -> absl::Status {
+      jobs_.disk, support_.calls, *context, "ListJobs", Scope::kReadOnly, *request, *response,
+      [this, request, response](Call& call) -> absl::Status {
         Violations violations;
         const int page_size = PageSize(request->page_size(), violations);
         const JobFilter filter = FromProto(*request, call.caller().visible_owner(), violations);
@@ -99,8 +99,8 @@ grpc::ServerWriteReactor<v1::WatchJobResponse>* SamplingService::WatchJob(
 grpc::ServerUnaryReactor* SamplingService::CancelJob(grpc::CallbackServerContext* context,
                                                      const v1::CancelJobRequest* request,
                                                      v1::CancelJobResponse* response) {
-  return ServeUnaryOn(support_.executor, support_.calls, *context, "CancelJob", Scope::kFull,
-                      *request, *response, [this, request, response](Call& call) -> absl::Status {
+  return ServeUnaryOn(jobs_.disk, support_.calls, *context, "CancelJob", Scope::kFull, *request,
+                      *response, [this, request, response](Call& call) -> absl::Status {
                         std::shared_ptr<Job> job;
                         CCST_ASSIGN_OR_RETURN(job, FindJob(jobs_, request->name(), call));
                         CCST_RETURN_IF_ERROR(jobs_.jobs.Cancel(job, StopCause::kCaller));
@@ -122,8 +122,8 @@ grpc::ServerWriteReactor<v1::ReadSampleMeshResponse>* SamplingService::ReadSampl
 grpc::ServerUnaryReactor* SamplingService::DeleteJob(grpc::CallbackServerContext* context,
                                                      const v1::DeleteJobRequest* request,
                                                      v1::DeleteJobResponse* response) {
-  return ServeUnaryOn(support_.executor, support_.calls, *context, "DeleteJob", Scope::kFull,
-                      *request, *response, [this, request](Call& call) -> absl::Status {
+  return ServeUnaryOn(jobs_.disk, support_.calls, *context, "DeleteJob", Scope::kFull, *request,
+                      *response, [this, request](Call& call) -> absl::Status {
                         std::string id;
                         CCST_ASSIGN_OR_RETURN(id, IdOf(request->name(), call));
                         return jobs_.jobs.Delete(call.caller().visible_owner(), id);
