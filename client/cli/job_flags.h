@@ -2,7 +2,7 @@
 
 #include "client/cli/flags.h"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's.
 class App;
 }
 

@@ -5,7 +5,7 @@
 #include "absl/status/statusor.h"
 #include "client/lib/client.h"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's.
 class App;
 }
 
