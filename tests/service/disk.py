@@ -217,7 +217,7 @@ def cut_connections(folder, report):
                     for event in client.watch(job.name, after_sequence=max(sequences, default=0)):
                         if event.HasField("progress"):
                             sequences.append(event.sequence)
-                            if len(sequences) % 7 == 0:
+                            if len(sequences) % 3 == 0:
                                 proxy.cut()
                         elif event.snapshot.state == job_pb2.Job.STATE_SUCCEEDED:
                             ended = True

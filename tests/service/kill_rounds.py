@@ -28,7 +28,9 @@ class Books:
         self.lock = threading.Lock()
         self.jobs = {}  # request_id -> (name, key); None while the answer is not known.
         self.keys = {}  # request_id -> key of its spec.
-        self.cancelled = set()  # Names that were CANCELLED or CANCELLING when we were answered.
+        self.cancelled = set()  # Names that were CANCELLED when we were answered.
+        self.cancelling = {}  # Name -> round, of those that were CANCELLING.
+        self.killed_at = []  # Time of day, by round.
         self.digests = {}  # key -> set of samples_digest.
         self.meshes = {}  # Index -> name.
         self.errors = []
@@ -74,9 +76,11 @@ def one_step(books, client, rng, label):
         known = [(r, n) for r, n in books.jobs.items() if n]
     if action < 0.62 and known:
         job = client.cancel(rng.choice(known[-20:])[1])
-        if job.state in (job_pb2.Job.STATE_CANCELLING, job_pb2.Job.STATE_CANCELLED):
-            with books.lock:
+        with books.lock:
+            if job.state == job_pb2.Job.STATE_CANCELLED:
                 books.cancelled.add(job.name)
+            elif job.state == job_pb2.Job.STATE_CANCELLING:
+                books.cancelling.setdefault(job.name, len(books.killed_at))
     elif action < 0.75 and known:
         request_id, name = rng.choice(known[-20:])
         sequence = 0
@@ -124,6 +128,7 @@ def one_round(books, folder, rng, number, callers):
         time.sleep(rng.uniform(0.02, 1.2))
         died = not server.alive()
         server.kill()
+        books.killed_at.append(time.time())
         stop.set()
         for thread in threads:
             thread.join()
@@ -153,13 +158,14 @@ def settle(books, folder, report):
         listed = list_all(client)
         lost = [n for n in acknowledged.values() if n not in listed]
         report.check(not lost, f"none of {len(acknowledged)} acknowledged jobs is lost {lost[:3]}")
-        states = {}
+        states, ended_at = {}, {}
         failed = []
         for request_id, name in acknowledged.items():
             if name in lost:
                 continue
             job = client.wait(name)
             states[name] = job.state
+            ended_at[name] = job.end_time.ToNanoseconds() / 1e9
             note_end(books, books.keys[request_id], job)
             if job.state == job_pb2.Job.STATE_FAILED:
                 failed.append((name, job.error.message))
@@ -168,6 +174,13 @@ def settle(books, folder, report):
         revived = [n for n in books.cancelled if states.get(n) != job_pb2.Job.STATE_CANCELLED]
         report.check(not revived,
                      f"{len(books.cancelled)} cancelled jobs stayed cancelled {revived[:3]}")
+        # A run that finishes while it is being cancelled has won the race; after the kill there is
+        # no such run any more.
+        won = [n for n in books.cancelling if states.get(n) == job_pb2.Job.STATE_SUCCEEDED]
+        revived = [n for n in books.cancelling if states.get(n) != job_pb2.Job.STATE_CANCELLED
+                   and (n not in won or ended_at[n] > books.killed_at[books.cancelling[n]])]
+        report.check(not revived, f"{len(books.cancelling)} jobs that were being cancelled stayed "
+                     f"so, but {len(won)} that won the race {revived[:3]}")
         other = []
         for request_id, key in books.keys.items():
             again = client.create(spec_of(books, key), request_id=request_id)
