@@ -1,6 +1,8 @@
 #include "server/rpc/read_reactors.h"
 
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "core/base/status.h"
 #include "proto/convert/names.h"
@@ -28,59 +30,82 @@ absl::Status CheckStart(std::int64_t start, std::int64_t count) {
   return violations.ToStatus();
 }
 
+// What differs between the two calls, by their messages.
+
+constexpr std::string_view MethodOf(const v1::ReadSamplesRequest&) { return "ReadSamples"; }
+constexpr std::string_view MethodOf(const v1::ReadSampleMeshRequest&) { return "ReadSampleMesh"; }
+
+std::int64_t CountOf(const StoredSamples& stored, const v1::ReadSamplesRequest&) {
+  return stored.sample_count();
+}
+std::int64_t CountOf(const StoredSamples& stored, const v1::ReadSampleMeshRequest&) {
+  return stored.triangle_count();
+}
+
+SampleChunks ChunksFor(StoredSamples stored, const v1::ReadSamplesRequest& request) {
+  return {std::move(stored), request.start_index(), 0};
+}
+SampleChunks ChunksFor(StoredSamples stored, const v1::ReadSampleMeshRequest& request) {
+  return {std::move(stored), 0, request.start_index()};
+}
+
+bool HasMore(const SampleChunks& chunks, const v1::ReadSamplesResponse&) {
+  return chunks.has_sample();
+}
+bool HasMore(const SampleChunks& chunks, const v1::ReadSampleMeshResponse&) {
+  return chunks.has_triangle();
+}
+
+absl::Status Fill(SampleChunks& chunks, v1::ReadSamplesResponse& message) {
+  return chunks.NextSamples(*message.mutable_samples());
+}
+absl::Status Fill(SampleChunks& chunks, v1::ReadSampleMeshResponse& message) {
+  return chunks.NextTriangles(*message.mutable_sample_mesh());
+}
+
+std::int64_t SamplesSent(const SampleChunks& chunks, const v1::ReadSamplesRequest& request) {
+  return chunks.next_sample() - request.start_index();
+}
+std::int64_t SamplesSent(const SampleChunks&, const v1::ReadSampleMeshRequest&) { return 0; }
+
 }  // namespace
 
-ReadSamplesReactor::ReadSamplesReactor(const StreamSupport& support, const JobSupport& jobs,
-                                       const grpc::CallbackServerContext& context,
-                                       const v1::ReadSamplesRequest& request)
-    : StreamReactor(support, context, "ReadSamples", Scope::kReadOnly),
+template <typename Request, typename Response>
+ReadReactor<Request, Response>::ReadReactor(const StreamSupport& support, const JobSupport& jobs,
+                                            const grpc::CallbackServerContext& context,
+                                            const Request& request)
+    : StreamReactor<Response>(support, context, MethodOf(request), Scope::kReadOnly),
       jobs_(jobs),
       request_(request) {}
 
-absl::Status ReadSamplesReactor::Open(Call& call) {
+template <typename Request, typename Response>
+absl::Status ReadReactor<Request, Response>::Open(Call& call) {
   call.Received(request_);
   auto stored = Find(jobs_, request_.name(), call);
   if (!stored.ok()) return stored.status();
-  CCST_RETURN_IF_ERROR(CheckStart(request_.start_index(), stored->sample_count()));
-  chunks_.emplace(*std::move(stored), request_.start_index(), 0);
+  CCST_RETURN_IF_ERROR(CheckStart(request_.start_index(), CountOf(*stored, request_)));
+  chunks_.emplace(ChunksFor(*std::move(stored), request_));
   return absl::OkStatus();
 }
 
-StreamStep ReadSamplesReactor::Next(v1::ReadSamplesResponse& message) {
-  call().record().samples_sent = chunks_->next_sample() - request_.start_index();
-  if (!chunks_->has_sample()) return StreamStep::kEnd;
-  end_status_ = chunks_->NextSamples(*message.mutable_samples());
+template <typename Request, typename Response>
+StreamStep ReadReactor<Request, Response>::Next(Response& message) {
+  if (!HasMore(*chunks_, message)) return StreamStep::kEnd;
+  end_status_ = Fill(*chunks_, message);
   return end_status_.ok() ? StreamStep::kWrite : StreamStep::kEnd;
 }
 
-bool ReadSamplesReactor::MoreFollows(const v1::ReadSamplesResponse& /*message*/) {
-  return chunks_->has_sample();
+template <typename Request, typename Response>
+bool ReadReactor<Request, Response>::MoreFollows(const Response& message) {
+  return HasMore(*chunks_, message);
 }
 
-ReadSampleMeshReactor::ReadSampleMeshReactor(const StreamSupport& support, const JobSupport& jobs,
-                                             const grpc::CallbackServerContext& context,
-                                             const v1::ReadSampleMeshRequest& request)
-    : StreamReactor(support, context, "ReadSampleMesh", Scope::kReadOnly),
-      jobs_(jobs),
-      request_(request) {}
-
-absl::Status ReadSampleMeshReactor::Open(Call& call) {
-  call.Received(request_);
-  auto stored = Find(jobs_, request_.name(), call);
-  if (!stored.ok()) return stored.status();
-  CCST_RETURN_IF_ERROR(CheckStart(request_.start_index(), stored->triangle_count()));
-  chunks_.emplace(*std::move(stored), 0, request_.start_index());
-  return absl::OkStatus();
+template <typename Request, typename Response>
+void ReadReactor<Request, Response>::Close() {
+  if (chunks_.has_value()) this->call().record().samples_sent = SamplesSent(*chunks_, request_);
 }
 
-StreamStep ReadSampleMeshReactor::Next(v1::ReadSampleMeshResponse& message) {
-  if (!chunks_->has_triangle()) return StreamStep::kEnd;
-  end_status_ = chunks_->NextTriangles(*message.mutable_sample_mesh());
-  return end_status_.ok() ? StreamStep::kWrite : StreamStep::kEnd;
-}
-
-bool ReadSampleMeshReactor::MoreFollows(const v1::ReadSampleMeshResponse& /*message*/) {
-  return chunks_->has_triangle();
-}
+template class ReadReactor<v1::ReadSamplesRequest, v1::ReadSamplesResponse>;
+template class ReadReactor<v1::ReadSampleMeshRequest, v1::ReadSampleMeshResponse>;
 
 }  // namespace ccst::server

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 #include "ccst/v1/sampling_service.pb.h"
 #include "server/rpc/job_intake.h"
@@ -9,44 +10,29 @@
 
 namespace ccst::server {
 
-/// One `ReadSamples` call.
-class ReadSamplesReactor final : public StreamReactor<v1::ReadSamplesResponse> {
+/// One call that streams what an ended job left, from `request.start_index` on, in chunks under
+/// 1 MiB: `ReadSamples` or `ReadSampleMesh`.
+template <typename Request, typename Response>
+class ReadReactor final : public StreamReactor<Response> {
  public:
-  ReadSamplesReactor(const StreamSupport& support, const JobSupport& jobs,
-                     const grpc::CallbackServerContext& context,
-                     const v1::ReadSamplesRequest& request);
+  ReadReactor(const StreamSupport& support, const JobSupport& jobs,
+              const grpc::CallbackServerContext& context, const Request& request);
 
  protected:
   absl::Status Open(Call& call) override;
-  StreamStep Next(v1::ReadSamplesResponse& message) override;
+  StreamStep Next(Response& message) override;
   absl::Status end_status() override { return end_status_; }
-  bool MoreFollows(const v1::ReadSamplesResponse& message) override;
+  bool MoreFollows(const Response& message) override;
+  void Close() override;
 
  private:
   const JobSupport& jobs_;
-  const v1::ReadSamplesRequest& request_;
+  const Request& request_;
   std::optional<SampleChunks> chunks_;
   absl::Status end_status_;
 };
 
-/// One `ReadSampleMesh` call.
-class ReadSampleMeshReactor final : public StreamReactor<v1::ReadSampleMeshResponse> {
- public:
-  ReadSampleMeshReactor(const StreamSupport& support, const JobSupport& jobs,
-                        const grpc::CallbackServerContext& context,
-                        const v1::ReadSampleMeshRequest& request);
-
- protected:
-  absl::Status Open(Call& call) override;
-  StreamStep Next(v1::ReadSampleMeshResponse& message) override;
-  absl::Status end_status() override { return end_status_; }
-  bool MoreFollows(const v1::ReadSampleMeshResponse& message) override;
-
- private:
-  const JobSupport& jobs_;
-  const v1::ReadSampleMeshRequest& request_;
-  std::optional<SampleChunks> chunks_;
-  absl::Status end_status_;
-};
+using ReadSamplesReactor = ReadReactor<v1::ReadSamplesRequest, v1::ReadSamplesResponse>;
+using ReadSampleMeshReactor = ReadReactor<v1::ReadSampleMeshRequest, v1::ReadSampleMeshResponse>;
 
 }  // namespace ccst::server

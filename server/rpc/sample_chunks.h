@@ -25,7 +25,7 @@ class SampleChunks {
   std::int64_t next_sample() const { return next_sample_; }
 
  private:
-  const StoredSamples stored_;
+  StoredSamples stored_;
   std::int64_t next_sample_;
   std::int64_t next_triangle_;
 };
