@@ -71,14 +71,18 @@ absl::StatusOr<JobRunner::Place> JobRunner::Reserve(const std::string& share) {
   return Place(*this, share);
 }
 
-void JobRunner::Enqueue(Place /*until it is queued*/, const std::shared_ptr<Job>& job,
-                        std::int64_t memory_bytes) {
+void JobRunner::Enqueue(Place place, const std::shared_ptr<Job>& job, std::int64_t memory_bytes) {
   bool draining = false;
   {
     MutexLock lock(mutex_);
     // It was accepted before draining began and waits for the next start of the server.
     draining = draining_ && !job->spec().ends_with_caller;
-    if (!draining) Add({.job = job, .memory_bytes = memory_bytes});
+    if (!draining) {
+      Add({.job = job, .memory_bytes = memory_bytes});
+      // In the same step: who looks in between would find two places taken.
+      place.runner_ = nullptr;
+      GiveBack(place.share_);
+    }
   }
   if (draining) job->Cancel(StopCause::kDrain);
 }
@@ -96,6 +100,10 @@ void JobRunner::Add(FairQueue::Entry entry) {
 
 void JobRunner::Return(const std::string& share) {
   MutexLock lock(mutex_);
+  GiveBack(share);
+}
+
+void JobRunner::GiveBack(const std::string& share) {
   --reserved_count_;
   const auto it = reserved_.find(share);
   if (--it->second == 0) reserved_.erase(it);

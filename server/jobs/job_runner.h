@@ -89,6 +89,7 @@ class JobRunner {
   void Add(FairQueue::Entry entry) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void UpdatePositions() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Return(const std::string& share);
+  void GiveBack(const std::string& share) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const RunnerOptions options_;
   const std::shared_ptr<MemoryBudget> budget_;

@@ -63,10 +63,10 @@ absl::Status Fill(SampleChunks& chunks, v1::ReadSampleMeshResponse& message) {
   return chunks.NextTriangles(*message.mutable_sample_mesh());
 }
 
-std::int64_t SamplesSent(const SampleChunks& chunks, const v1::ReadSamplesRequest& request) {
-  return chunks.next_sample() - request.start_index();
+std::int64_t SamplesIn(const v1::ReadSamplesResponse& message) {
+  return message.samples().face_indices_size();
 }
-std::int64_t SamplesSent(const SampleChunks&, const v1::ReadSampleMeshRequest&) { return 0; }
+std::int64_t SamplesIn(const v1::ReadSampleMeshResponse&) { return 0; }
 
 }  // namespace
 
@@ -92,17 +92,13 @@ template <typename Request, typename Response>
 StreamStep ReadReactor<Request, Response>::Next(Response& message) {
   if (!HasMore(*chunks_, message)) return StreamStep::kEnd;
   end_status_ = Fill(*chunks_, message);
+  this->call().record().samples_sent += SamplesIn(message);
   return end_status_.ok() ? StreamStep::kWrite : StreamStep::kEnd;
 }
 
 template <typename Request, typename Response>
 bool ReadReactor<Request, Response>::MoreFollows(const Response& message) {
   return HasMore(*chunks_, message);
-}
-
-template <typename Request, typename Response>
-void ReadReactor<Request, Response>::Close() {
-  if (chunks_.has_value()) this->call().record().samples_sent = SamplesSent(*chunks_, request_);
 }
 
 template class ReadReactor<v1::ReadSamplesRequest, v1::ReadSamplesResponse>;

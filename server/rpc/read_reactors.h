@@ -23,7 +23,6 @@ class ReadReactor final : public StreamReactor<Response> {
   StreamStep Next(Response& message) override;
   absl::Status end_status() override { return end_status_; }
   bool MoreFollows(const Response& message) override;
-  void Close() override;
 
  private:
   const JobSupport& jobs_;

@@ -127,7 +127,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
   virtual bool MoreFollows(const Response& /*message*/) { return false; }
   /// The caller went away; on any thread, must not block.
   virtual void OnGone() {}
-  /// Last of all; Open() may have failed or never have run.
+  /// Last of all, when the request and the context are gone; Open() may have failed or never run.
   virtual void Close() {}
 
   /// There may be something new to say; on any thread, does not block.

@@ -81,6 +81,15 @@ class BusyRunner : public testing::Test {
   std::shared_ptr<Job> first_;
 };
 
+TEST_F(BusyRunner, WaitingJobTakesOnePlace) {
+  Occupy(2);
+  const auto job = jobs_.Make();
+  // One expression: what is handed to Enqueue() may live to its end.
+  const bool room = (runner_->Enqueue(*runner_->Reserve("a"), job, 1), runner_->Reserve("b").ok());
+  EXPECT_TRUE(room);
+  go_.Open();
+}
+
 TEST_F(BusyRunner, WaitingJobsKnowTheirPosition) {
   Occupy(3);
   const auto a = Add();

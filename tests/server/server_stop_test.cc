@@ -104,7 +104,7 @@ TEST(SampleStop, CancelWhileWaitingFreesThePlace) {
   grpc::ClientContext waiting;
   const auto waiting_reader = server.sampling().Sample(&waiting, Request());
   v1::SampleResponse event;
-  ASSERT_TRUE(waiting_reader->Read(&event));
+  ASSERT_TRUE(waiting_reader->Read(&event)) << waiting_reader->Finish().error_message();
   waiting.TryCancel();
   EXPECT_EQ(ReadAll(*waiting_reader).status.error_code(), grpc::StatusCode::CANCELLED);
   running.TryCancel();

@@ -1,6 +1,6 @@
 #include "server/jobs/stored_samples.h"
 
-#include <cstring>
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -23,7 +23,7 @@ class MemoryBlob : public BlobWriter, public Blob {
   absl::Status Commit() override { return absl::OkStatus(); }
   absl::Status Read(std::int64_t offset, std::span<char> out) const override {
     EXPECT_LE(offset + static_cast<std::int64_t>(out.size()), size_bytes());
-    std::memcpy(out.data(), bytes_.data() + offset, out.size());
+    std::copy_n(bytes_.begin() + offset, out.size(), out.begin());
     return absl::OkStatus();
   }
 

@@ -14,10 +14,12 @@ MeshStoreTest::MeshStoreTest()
                     .measure = MeasureMesh,
                     .encode_facts =
                         [this](const MeshFacts& facts) {
+                          const std::lock_guard lock(facts_mutex_);
                           facts_.push_back(facts);
                           return std::to_string(facts_.size() - 1);
                         },
                     .decode_facts = [this](const std::string& bytes) -> absl::StatusOr<MeshFacts> {
+                      const std::lock_guard lock(facts_mutex_);
                       return facts_.at(std::stoul(bytes));
                     },
                     .clock = {.now = [this] { return now_; }, .seconds = [] { return 0.0; }}} {}

@@ -31,6 +31,7 @@ class MeshStoreTest : public StoreTest {
 
  private:
   MeshDependencies dependencies_;
+  std::mutex facts_mutex_;        // Uploads come on several threads.
   std::vector<MeshFacts> facts_;  // What encoded facts number.
   std::vector<JobRecord> jobs_;
   std::optional<BlobPins> pins_;
