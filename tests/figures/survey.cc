@@ -185,7 +185,9 @@ void Judge(TriangleMesh input, RepairedMesh repaired, SamplingResult result, Sur
     const ReferenceSurface surface(
         Part(repaired.mesh, [&](std::size_t f) { return triangulated[components[f]] != 0; }),
         Welding::kNone);
-    run.figures = MeasureFigures(input, surface, samples);
+    // A needle's area says nothing of its length; what is missed is a thirtieth of the floor.
+    const double spacing = std::max(std::sqrt(surface.area() / 1e5), surface.diagonal() / 2000.0);
+    run.figures = MeasureFigures(input, surface, samples, spacing);
     run.misses = FindMisses(run.figures, surface, used, run.closed_loops);
     survey->radius_on_sheet =
         NearestOnSheet(samples) / quality::HexagonalSpacing(surface.area(), used);
