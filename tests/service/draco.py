@@ -1,5 +1,6 @@
 """Made-up meshes as Draco streams, written by hand: bitstream 2.2, sequential, uncompressed."""
 
+import array
 import math
 import random
 import struct
@@ -17,35 +18,40 @@ def _varint(value):
     return bytes(result)
 
 
-def _metadata(attribute_id, name):
-    """One attribute's metadata: its name; and none of the file's."""
-    entry = b"\x04name" + _varint(len(name)) + name.encode()
-    return _varint(1) + _varint(attribute_id) + _varint(1) + entry + _varint(0) + b"\x00\x00"
+def _metadata(names):
+    """The attributes' metadata, their names, from the second attribute on; and none of the file's."""
+    stream = _varint(len(names))
+    for identifier, name in enumerate(names, start=1):
+        entry = b"\x04name" + _varint(len(name)) + name.encode()
+        stream += _varint(identifier) + _varint(1) + entry + _varint(0)
+    return stream + b"\x00\x00"
 
 
-def encode(positions, faces, scalar=None, name="weight"):
-    """A Draco stream of V positions (x, y, z), F faces and maybe V scalars called `name`."""
+def encode(positions, faces, **attributes):
+    """A Draco stream of V positions (x, y, z), F faces and named attributes, each 1 to 4 times V
+    numbers."""
     count = len(positions)
-    stream = b"DRACO" + bytes([2, 2, 1, 0]) + struct.pack("<H", 0x8000 if scalar else 0)
-    if scalar:
-        stream += _metadata(1, name)
+    stream = b"DRACO" + bytes([2, 2, 1, 0]) + struct.pack("<H", 0x8000 if attributes else 0)
+    if attributes:
+        stream += _metadata(attributes)
     indices = [i for face in faces for i in face]
     stream += _varint(len(faces)) + _varint(count) + b"\x01"
     if count < 256:
         stream += bytes(indices)
     elif count < 65536:
-        stream += struct.pack(f"<{len(indices)}H", *indices)
-    else:
+        stream += array.array("H", indices).tobytes()
+    elif count < 1 << 21:
         stream += b"".join(map(_varint, indices))
-    columns = [(POSITION, 3, [x for p in positions for x in p])]
-    if scalar:
-        columns.append((GENERIC, 1, list(scalar)))
+    else:
+        stream += array.array("I", indices).tobytes()
+    columns = [(POSITION, [x for p in positions for x in p])]
+    columns += [(GENERIC, values) for values in attributes.values()]
     stream += b"\x01" + _varint(len(columns))
-    for identifier, (kind, width, _) in enumerate(columns):
-        stream += bytes([kind, FLOAT32, width, 0]) + _varint(identifier)
+    for identifier, (kind, values) in enumerate(columns):
+        stream += bytes([kind, FLOAT32, len(values) // count, 0]) + _varint(identifier)
     stream += b"\x00" * len(columns)
-    for _, _, values in columns:
-        stream += struct.pack(f"<{len(values)}f", *values)
+    for _, values in columns:
+        stream += array.array("f", values).tobytes()
     return stream
 
 

@@ -36,9 +36,9 @@ UNLIMITED = [("grpc.max_receive_message_length", -1), ("grpc.max_send_message_le
              ("grpc.use_local_subchannel_pool", 1)]
 
 
-def server_program():
+def program_named(name):
     folder = os.environ.get("CCST_BIN", os.path.join("build", "release", "bin"))
-    return os.path.abspath(os.path.join(folder, "ccst-server"))
+    return os.path.abspath(os.path.join(folder, name))
 
 
 def environment():
@@ -57,7 +57,7 @@ class Server:
         self._log = tempfile.TemporaryFile()
         begin = time.monotonic()
         self.process = subprocess.Popen(
-            [program or server_program(), "--listen", "127.0.0.1:0", "--data-dir", data_dir,
+            [program or program_named("ccst-server"), "--listen", "127.0.0.1:0", "--data-dir", data_dir,
              "--metrics-listen", "127.0.0.1:0", *flags],
             stdout=subprocess.PIPE, stderr=self._log, env=environment())
         self.address = self._read("listening on ")

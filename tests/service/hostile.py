@@ -128,8 +128,9 @@ class Hostile:
             positions, faces = draco.torus(6, 4)
             bad = rng.choice(DOUBLES)
             if rng.random() < 0.5:
-                data = draco.encode(positions, faces, [rng.choice((1.0, bad)) if abs(bad) < 1e38
-                                                       or bad != bad else bad for _ in positions])
+                fits = abs(bad) < 1e38 or bad != bad
+                weight = [rng.choice((1.0, bad)) if fits else bad for _ in positions]
+                data = draco.encode(positions, faces, weight=weight)
             else:
                 positions[0] = (float("nan"), 0.0, 0.0)
                 data = draco.encode(positions, faces)
@@ -282,7 +283,7 @@ def main():
     report = Report()
     with Folder() as folder, Server(folder, "--max-job-duration", "5") as server, \
             Client(server.address) as client:
-        stream = draco.encode(*draco.torus(), scalar=[1.0] * 288)
+        stream = draco.encode(*draco.torus(), weight=[1.0] * 288)
         mesh = client.upload(stream).name
         job = client.wait(client.create(spec(mesh, 100, method=WHITE_NOISE)).name).name
         before = ordinary(client, mesh, 15)

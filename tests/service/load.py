@@ -17,7 +17,7 @@ import grpc
 
 from harness import (UNLIMITED, WHITE_NOISE, Client, Folder, Report, Server, arguments,
                      environment, health_pb2, options, percentile, sampling_service_pb2,
-                     server_program, spec)
+                     program_named, spec)
 
 HEALTH_EVERY_SECONDS, CREATE_EVERY = 0.02, 5
 
@@ -157,7 +157,8 @@ def run_load(args, report):
 
 def new_token(name):
     """A token and its line for the server."""
-    output = subprocess.run([server_program(), "--new-token", name], capture_output=True, text=True,
+    output = subprocess.run([program_named("ccst-server"), "--new-token", name],
+                            capture_output=True, text=True,
                             check=True, env=environment()).stdout
     return [line.split(": ", 1)[1] for line in output.splitlines()]
 
