@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/status.h"
 #include "tests/server/meshes/mesh_store_fixture.h"
 
 namespace ccst::server {
@@ -81,6 +82,7 @@ TEST_F(MeshStores, BytesOfAnotherOwnerStayWhenTheyAreRefusedHere) {
       {.decode = [](std::span<const char>, const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
          throw std::runtime_error("broken");
        },
+       .take_memory = {},
        .measure = {},
        .encode_facts = {},
        .decode_facts = {},
