@@ -110,13 +110,16 @@ void KeepCloser(std::int32_t self, const NearestOther& nearest, SamplePair& pair
   pair = {std::min(self, nearest.index()), std::max(self, nearest.index()), distance};
 }
 
-// The closest pair; what is found bounds every further search.
+// The closest pair; what is found bounds every further search. Of those looked at when `interrupt`,
+// which may be null, was requested.
 SamplePair ClosestPair(const Tree& tree, std::span<const Eigen::Vector3d> positions,
-                       std::span<const Eigen::Vector3d> images, const Metric& metric) {
+                       std::span<const Eigen::Vector3d> images, const Metric& metric,
+                       Interrupt* interrupt = nullptr) {
   SamplePair pair;
   double bound = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const auto self = static_cast<std::int32_t>(i);
+    if (interrupt != nullptr && interrupt->RequestedAt(self)) break;
     const NearestOther nearest =
         FindNearest(tree, positions[i], images, NearestOther(self, metric, bound));
     bound = std::min(bound, nearest.squared());
@@ -133,12 +136,13 @@ double HexagonalSpacing(double area, std::int64_t count) {
 
 SamplePair FindClosestSameSide(std::span<const Eigen::Vector3d> positions,
                                std::span<const Eigen::Vector3d> normals,
-                               std::span<const double> scales) {
+                               std::span<const double> scales, Interrupt* interrupt) {
+  if (interrupt != nullptr && interrupt->Requested()) return {};
   const PointCloud cloud{positions};
   const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(8));
   Metric metric{normals, scales};
   if (!scales.empty()) metric.largest_scale = *std::max_element(scales.begin(), scales.end());
-  return ClosestPair(tree, positions, Images(Eigen::Vector3d::Zero()), metric);
+  return ClosestPair(tree, positions, Images(Eigen::Vector3d::Zero()), metric, interrupt);
 }
 
 DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,

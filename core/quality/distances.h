@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "core/base/interrupt.h"
+
 namespace ccst::quality {
 
 /// r_max = sqrt(2 area / (sqrt(3) count)): the spacing of `count` > 0 points of a hexagonal
@@ -31,9 +33,10 @@ struct DistanceFigures {
 /// The closest pair on one side, as MeasureDistances() finds it, for a fraction of its cost: what
 /// is found bounds every further search.
 /// @param normals, scales  as there. Equal distances go to the smaller indices.
+/// @param interrupt  may be null; once requested, the pair is the closest of those looked at.
 SamplePair FindClosestSameSide(std::span<const Eigen::Vector3d> positions,
                                std::span<const Eigen::Vector3d> normals,
-                               std::span<const double> scales = {});
+                               std::span<const double> scales = {}, Interrupt* interrupt = nullptr);
 
 /// Measures the spacing of `positions` (n x 3, finite).
 /// @param normals       n x 3, those of the host faces; empty: every pair is on the same side.

@@ -46,11 +46,13 @@ double AngleDeficit(const Surface& surface, std::int32_t vertex) {
 
 }  // namespace
 
-Coverage::Coverage(const Surface* surface, const Density* density, const Plan* plan)
+Coverage::Coverage(const Surface* surface, const Density* density, const Plan* plan,
+                   Interrupt* interrupt)
     : surface_(*surface) {
   std::vector<std::size_t> corners;     // Of curved_.
   std::vector<Eigen::Vector3d> places;  // Where the surface is not a bent plane.
   for (std::int32_t v = 0; v < surface->vertex_count(); ++v) {
+    if (interrupt->RequestedAt(v)) break;
     const std::int32_t h = surface->outgoing()[v];
     if (surface->twins()[h] < 0) continue;  // Loops have their own samples.
     if (plan->components[surface->face_components()[h / 3]].points) continue;
@@ -81,12 +83,13 @@ Coverage::Coverage(const Surface* surface, const Density* density, const Plan* p
   }
 }
 
-std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh,
-                                                    const Samples& samples) const {
+std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh, const Samples& samples,
+                                                    Interrupt* interrupt) const {
   std::vector<UncoveredPlace> found;
   if (curved_.empty()) return found;
   const PointTree tree(samples.position);
   for (std::size_t k = 0; k < curved_.size(); ++k) {
+    if (interrupt->RequestedAt(static_cast<std::int64_t>(k))) break;
     const std::int32_t v = curved_[k];
     const Eigen::Vector3d& place = surface_.positions()[v];
     UncoveredPlace nearest{v, -1, std::numeric_limits<double>::infinity(), spacing_[k]};

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/interrupt.h"
 #include "core/density/density.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/sample_mesh.h"
@@ -23,12 +24,14 @@ struct UncoveredPlace {
 /// looked at: elsewhere triangles over samples on the surface cannot be far from it.
 class Coverage {
  public:
-  Coverage(const Surface* surface, const Density* density, const Plan* plan);
+  /// @param interrupt  once requested, the other vertices are left out.
+  Coverage(const Surface* surface, const Density* density, const Plan* plan, Interrupt* interrupt);
 
   /// Vertices of the surface that the sample mesh cuts off by most of a local spacing, at corners
-  /// by half of one, farthest first, no two within a spacing of one another. Cost O(n log n +
-  /// curved vertices).
-  std::vector<UncoveredPlace> FindUncovered(const SampleMesh& mesh, const Samples& samples) const;
+  /// by half of one, farthest first, no two within a spacing of one another. When `interrupt` is
+  /// requested, the list is unfinished. Cost O(n log n + curved vertices).
+  std::vector<UncoveredPlace> FindUncovered(const SampleMesh& mesh, const Samples& samples,
+                                            Interrupt* interrupt) const;
 
  private:
   const Surface& surface_;

@@ -74,9 +74,10 @@ std::int64_t EdgeFlips::Drain() {
   return flips;
 }
 
-std::int64_t EdgeFlips::FlipAll() {
+std::int64_t EdgeFlips::FlipAll(Interrupt* interrupt) {
   std::int64_t flips = 0;
   for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh_.origin.size()); ++h) {
+    if (interrupt != nullptr && interrupt->RequestedAt(h)) break;
     if (mesh_.origin[h] < 0 || mesh_.twin[h] < h) continue;
     Push(h);
     flips += Drain();

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "core/base/interrupt.h"
 #include "core/sampling/sample_mesh.h"
 
 namespace ccst {
@@ -21,7 +22,8 @@ class EdgeFlips {
       : mesh_(*mesh), position_(*position), normal_(*normal) {}
 
   /// Flips until nothing changes. @return the number of flips. Cost O(edges + flips).
-  std::int64_t FlipAll();
+  /// @param interrupt  may be null; once requested, the rest stays as it is.
+  std::int64_t FlipAll(Interrupt* interrupt = nullptr);
 
   /// The same, starting from the triangles around `v` only.
   std::int64_t FlipAround(std::int32_t v);

@@ -57,7 +57,8 @@ struct GeometryPhase::Ring {
 };
 
 GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, const Plan* plan,
-                             Energy energy, const SampleMesh* mesh, Samples* samples)
+                             Energy energy, const SampleMesh* mesh, Samples* samples,
+                             Interrupt* interrupt)
     : surface_(*surface),
       density_(*density),
       plan_(*plan),
@@ -70,9 +71,12 @@ GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, con
   next_.assign(samples->count(), 1);
   moved_.assign(samples->count(), 1);
   if (density->uniform()) return;
-  mean_density_.resize(mesh->triangle_count());
+  mean_density_.assign(mesh->triangle_count(), 1.0);
   is_outdated_.assign(samples->count(), 0);
-  for (std::int32_t t = 0; t < mesh->triangle_count(); ++t) mean_density_[t] = MeanDensity(t);
+  for (std::int32_t t = 0; t < mesh->triangle_count(); ++t) {
+    if (interrupt != nullptr && interrupt->RequestedAt(t)) break;
+    mean_density_[t] = MeanDensity(t);
+  }
 }
 
 double GeometryPhase::MeanDensity(std::int32_t t) const {
@@ -94,14 +98,15 @@ double GeometryPhase::MeanDensity(std::int32_t t) const {
   return 0.25 * sum;
 }
 
-void GeometryPhase::UpdateAllDensities() {
+void GeometryPhase::UpdateAllDensities(Interrupt* interrupt) {
   std::fill(is_outdated_.begin(), is_outdated_.end(), std::uint8_t{1});
-  UpdateDensities();
+  UpdateDensities(interrupt);
 }
 
-void GeometryPhase::UpdateDensities() {
+void GeometryPhase::UpdateDensities(Interrupt* interrupt) {
   if (density_.uniform()) return;
   for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
+    if (interrupt->RequestedAt(t)) return;
     const std::int32_t* corner = &mesh_.origin[3 * t];
     if (!(is_outdated_[corner[0]] | is_outdated_[corner[1]] | is_outdated_[corner[2]])) continue;
     const double before = mean_density_[t];

@@ -26,8 +26,9 @@ namespace ccst {
 /// Source: Xu et al. 2012, sections 3.3, 3.4 and appendices A, B, with the errata.
 class GeometryPhase {
  public:
+  /// @param interrupt  may be null; once requested, densities count as 1 until they are updated.
   GeometryPhase(const Surface* surface, const Density* density, const Plan* plan, Energy energy,
-                const SampleMesh* mesh, Samples* samples);
+                const SampleMesh* mesh, Samples* samples, Interrupt* interrupt = nullptr);
 
   /// Visits every active vertex once. A vertex is active when it or a neighbour moved by more than
   /// a small part of the spacing since its last visit, or when Activate() named it.
@@ -38,11 +39,12 @@ class GeometryPhase {
   /// Integrates the density anew over the triangles around the vertices that moved since the last
   /// call or that Activate() named, and activates the corners of those it changed. Between calls a
   /// triangle's mean density is fixed, so that the energy falls with every move.
-  /// Does nothing where the density is uniform. Cost O(such triangles).
-  void UpdateDensities();
+  /// Does nothing where the density is uniform. When `interrupt` was requested, the rest follows
+  /// with the next call. Cost O(such triangles).
+  void UpdateDensities(Interrupt* interrupt);
 
   /// The same over all triangles: the mesh or the samples were replaced.
-  void UpdateAllDensities();
+  void UpdateAllDensities(Interrupt* interrupt);
 
   /// Marks `v`, whose triangles have changed, and its neighbours for the next pass.
   void Activate(std::int32_t v);

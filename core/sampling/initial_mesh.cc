@@ -38,6 +38,7 @@ class Insertion {
   /// @return false when stopped.
   bool Run(Interrupt* interrupt) {
     AdoptCorners();
+    if (interrupt->Requested()) return false;
     SetTriangles();
     InsertBoundarySamples();
     for (std::int32_t i = 0; i < samples_.count(); ++i) {
@@ -259,14 +260,17 @@ std::vector<Eigen::Vector3i> LiveTriangles(const SampleMesh& mesh, std::int32_t 
   return triangles;
 }
 
+absl::Status Stopped() {
+  return absl::CancelledError("stopped while the first triangulation was built");
+}
+
 }  // namespace
 
 absl::StatusOr<SampleMesh> BuildInitialMesh(const Surface& surface, const Plan& plan,
                                             const Samples& samples, Interrupt* interrupt,
                                             std::vector<std::int32_t>* failed) {
   Insertion insertion(surface, plan, samples);
-  if (!insertion.Run(interrupt))
-    return absl::CancelledError("stopped while the samples were inserted");
+  if (!insertion.Run(interrupt)) return Stopped();
   CCST_ASSIGN_OR_RETURN(const std::vector<std::int32_t> left,
                         RemoveVertices(samples.count(), insertion.positions, insertion.normals,
                                        interrupt, &insertion.mesh));
@@ -280,6 +284,7 @@ absl::StatusOr<SampleMesh> BuildInitialMesh(const Surface& surface, const Plan& 
     const std::int32_t c = insertion.components[v];
     if (std::exchange(wanted[c], 0)) failed->push_back(c);
   }
+  if (interrupt->Requested()) return Stopped();
   SampleMesh mesh;
   mesh.SetTriangles(samples.count(),
                     LiveTriangles(insertion.mesh, samples.count(), [&](std::int32_t v) {
@@ -290,7 +295,8 @@ absl::StatusOr<SampleMesh> BuildInitialMesh(const Surface& surface, const Plan& 
     if (!insertion.mesh.locked[h] || from < 0 || !wanted[insertion.components[from]]) continue;
     mesh.Lock(mesh.FindEdge(from, insertion.mesh.Target(h)));
   }
-  EdgeFlips(&mesh, &samples.position, &samples.normal).FlipAll();
+  EdgeFlips(&mesh, &samples.position, &samples.normal).FlipAll(interrupt);
+  if (interrupt->Requested()) return Stopped();
   return mesh;
 }
 

@@ -2,51 +2,53 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 #include "core/random/random.h"
-#include "core/spatial/hilbert.h"
+#include "core/spatial/spatial_order.h"
 
 namespace ccst {
 namespace {
 
 constexpr std::uint64_t kPointStream = 0x706f696e74;  // "point"
 
-/// Faces ordered by component, then along the Hilbert curve through their centroids.
-std::vector<std::int32_t> OrderFaces(const Surface& surface) {
-  std::vector<std::pair<std::uint64_t, std::int32_t>> keys(surface.face_count());
+/// Faces ordered by component, then along the Hilbert curve through their centroids. Unfinished
+/// when `interrupt` was requested.
+std::vector<std::int32_t> OrderFaces(const Surface& surface, Interrupt* interrupt) {
+  std::vector<Eigen::Vector3d> centers;
+  centers.reserve(surface.face_count());
   for (std::int32_t f = 0; f < surface.face_count(); ++f) {
+    if (interrupt->RequestedAt(f)) return {};
     const Eigen::Vector3i& face = surface.faces()[f];
-    const Eigen::Vector3d center = (surface.positions()[face[0]] + surface.positions()[face[1]] +
-                                    surface.positions()[face[2]]) /
-                                   3.0;
-    std::array<std::uint32_t, 3> cell;
-    for (int k = 0; k < 3; ++k) {
-      cell[k] = static_cast<std::uint32_t>(std::clamp((center[k] + 0.5) * 65535.0, 0.0, 65535.0));
-    }
-    keys[f] = {HilbertIndex(cell), f};
+    centers.emplace_back((surface.positions()[face[0]] + surface.positions()[face[1]] +
+                          surface.positions()[face[2]]) /
+                         3.0);
   }
-  std::sort(keys.begin(), keys.end(), [&](const auto& a, const auto& b) {
-    const auto ca = surface.face_components()[a.second];
-    const auto cb = surface.face_components()[b.second];
-    return ca != cb ? ca < cb : a < b;
-  });
-  std::vector<std::int32_t> order(keys.size());
-  std::transform(keys.begin(), keys.end(), order.begin(), [](const auto& k) { return k.second; });
+  const std::vector<std::int32_t> along = HilbertOrder(centers, interrupt);
+  const std::vector<std::int32_t>& component = surface.face_components();
+  std::vector<std::size_t> next(surface.component_areas().size() + 1, 0);
+  for (const std::int32_t f : along) ++next[component[f] + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<std::int32_t> order(along.size());
+  for (const std::int32_t f : along) order[next[component[f]]++] = f;
   return order;
 }
 
 }  // namespace
 
-Samples DrawInitialPoints(const Surface& surface, const Density& density, const Plan& plan,
-                          std::uint64_t seed) {
+absl::StatusOr<Samples> DrawInitialPoints(const Surface& surface, const Density& density,
+                                          const Plan& plan, std::uint64_t seed,
+                                          Interrupt* interrupt) {
+  const auto stopped = [] {
+    return absl::CancelledError("stopped while the first samples were drawn");
+  };
   Samples samples;
   std::int64_t count = 0;
   for (const ComponentPlan& component : plan.components) count += component.samples;
   samples.Resize(static_cast<std::int32_t>(count));
 
   const CounterRandom random(seed, kPointStream);
-  const std::vector<std::int32_t> order = OrderFaces(surface);
+  const std::vector<std::int32_t> order = OrderFaces(surface, interrupt);
+  if (interrupt->Requested()) return stopped();
   const std::vector<double>& capacities = density.face_capacities();
   std::size_t at = 0;
   std::int32_t i = 0;
@@ -62,6 +64,7 @@ Samples DrawInitialPoints(const Surface& surface, const Density& density, const 
     const std::int32_t begin = i;
     double passed = 0.0;  // Capacity of the component's faces before order[at].
     for (std::int32_t k = 0; k < interior; ++k, ++i) {
+      if (interrupt->RequestedAt(k)) return stopped();
       const double wanted = (k + random.Uniform(component.points ? begin : i)) * stratum;
       while (in_component(at + 1) && passed + capacities[order[at]] <= wanted) {
         passed += capacities[order[at++]];

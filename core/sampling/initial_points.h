@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "absl/status/statusor.h"
+#include "core/base/interrupt.h"
 #include "core/density/density.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/samples.h"
@@ -16,7 +18,9 @@ namespace ccst {
 /// On a component that gets points all are drawn at the same place of their strata, which keeps
 /// them apart. Samples are ordered by component; within one, interior ones along the curve, then
 /// boundary ones loop by loop.
-Samples DrawInitialPoints(const Surface& surface, const Density& density, const Plan& plan,
-                          std::uint64_t seed);
+/// @errors CANCELLED when `interrupt` was requested. Cost O(F log F + n).
+absl::StatusOr<Samples> DrawInitialPoints(const Surface& surface, const Density& density,
+                                          const Plan& plan, std::uint64_t seed,
+                                          Interrupt* interrupt);
 
 }  // namespace ccst

@@ -75,19 +75,34 @@ class Grid {
   std::vector<std::int32_t> next_;   // Per sample.
 };
 
+/// Sorts; unfinished when `interrupt` was requested, which is looked at between runs.
+void SortInRuns(std::vector<std::pair<double, std::int32_t>>* keys, Interrupt* interrupt) {
+  constexpr std::ptrdiff_t kRun = std::ptrdiff_t{1} << 17;
+  const auto size = static_cast<std::ptrdiff_t>(keys->size());
+  const auto at = [&](std::ptrdiff_t i) { return keys->begin() + std::min(i, size); };
+  for (std::ptrdiff_t i = 0; i < size && !interrupt->Requested(); i += kRun) {
+    std::sort(at(i), at(i + kRun));
+  }
+  for (std::ptrdiff_t run = kRun; run < size; run *= 2) {
+    for (std::ptrdiff_t i = 0; i < size && !interrupt->Requested(); i += 2 * run) {
+      std::inplace_merge(at(i), at(i + run), at(i + 2 * run));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::int32_t> ProgressiveOrder(std::span<const Eigen::Vector3d> positions,
                                            std::span<const Eigen::Vector3d> normals,
                                            std::span<const double> scales, double r_max,
-                                           std::uint64_t seed) {
+                                           std::uint64_t seed, Interrupt* interrupt) {
   const std::size_t n = positions.size();
   const CounterRandom random(seed, kOrderStream);
   std::vector<std::pair<double, std::int32_t>> keys(n);
   for (std::size_t i = 0; i < n; ++i) {
     keys[i] = {random.Uniform(i), static_cast<std::int32_t>(i)};
   }
-  std::sort(keys.begin(), keys.end());
+  SortInRuns(&keys, interrupt);
 
   const double largest_scale =
       scales.empty() ? 1.0 : *std::max_element(scales.begin(), scales.end());
@@ -102,9 +117,11 @@ std::vector<std::int32_t> ProgressiveOrder(std::span<const Eigen::Vector3d> posi
     const double aim = chosen / std::exp2(level);
     const double radius = kDartRadius * r_max * std::sqrt(static_cast<double>(n) / aim);
     grid.Reset(2.0 * radius * largest_scale);
+    if (interrupt->Requested()) return order;
     for (const std::int32_t i : order) grid.Insert(i, positions[i]);
     const auto darts = std::min(n, static_cast<std::size_t>(std::ceil(kDartsPerSample * aim)));
     for (std::size_t k = 0; k < darts; ++k) {
+      if (interrupt->RequestedAt(static_cast<std::int64_t>(k))) return order;
       const std::int32_t i = keys[k].second;
       if (taken[i]) continue;
       const bool crowded = grid.Any(positions[i], [&](std::int32_t j) {

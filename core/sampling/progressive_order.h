@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "core/base/interrupt.h"
+
 namespace ccst {
 
 /// An order of the samples in which every prefix is well spread: the samples of a prefix of p are
@@ -16,12 +18,13 @@ namespace ccst {
 /// @param normals    n x 3 unit; samples are compared with those on their side only.
 /// @param scales     n factors of the spacing wanted at each; empty: 1.
 /// @param r_max      the hexagonal spacing of all n where the factor is 1.
-/// @return a permutation: entry k is the sample that comes k-th. Cost O(n).
+/// @return a permutation: entry k is the sample that comes k-th; part of it when `interrupt` was
+///         requested. Cost O(n log n), little of it for the sorting.
 /// Source: the nested sets of McCool and Fiume, "Hierarchical Poisson disk sampling
 /// distributions", Graphics Interface 1992.
 std::vector<std::int32_t> ProgressiveOrder(std::span<const Eigen::Vector3d> positions,
                                            std::span<const Eigen::Vector3d> normals,
                                            std::span<const double> scales, double r_max,
-                                           std::uint64_t seed);
+                                           std::uint64_t seed, Interrupt* interrupt);
 
 }  // namespace ccst

@@ -56,11 +56,11 @@ constexpr int kPassesPerAlternation = 3;
 RelaxationReport Relax(const Surface& surface, const Density& density, const Plan& plan,
                        const SamplingOptions& options,
                        const std::function<void(const AlternationReport&)>& report,
-                       Interrupt* interrupt, SampleMesh* mesh, Samples* samples) {
+                       Interrupt* interrupt, Interrupt* stop, SampleMesh* mesh, Samples* samples) {
   RelaxationReport result;
-  GeometryPhase geometry(&surface, &density, &plan, options.energy, mesh, samples);
+  GeometryPhase geometry(&surface, &density, &plan, options.energy, mesh, samples, stop);
   EdgeFlips flips(mesh, &samples->position, &samples->normal);
-  const Coverage coverage(&surface, &density, &plan);
+  const Coverage coverage(&surface, &density, &plan, stop);
   Projection projection(&surface, 0.5 * plan.spacing);
 
   AlternationReport state;
@@ -90,7 +90,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
     if (best.defects != std::numeric_limits<std::size_t>::max()) {
       *mesh = std::move(best.mesh);
       *samples = std::move(best.samples);
-      geometry.UpdateAllDensities();
+      geometry.UpdateAllDensities(stop);
     }
     const GeometryPhase::Spread spread = geometry.MeasureCapacities();
     result.energy = spread.energy;
@@ -120,10 +120,10 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
   };
   const auto relocate = [&](const std::vector<Defect>& crowded,
                             const std::vector<UncoveredPlace>& uncovered) {
-    state.relocations =
-        Relocate(crowded, uncovered, surface, &projection, &geometry, &flips, mesh, samples);
+    state.relocations = Relocate(crowded, uncovered, surface, &projection, &geometry, &flips,
+                                 interrupt, mesh, samples);
     if (state.relocations > 0) history.clear();
-    geometry.UpdateDensities();
+    geometry.UpdateDensities(interrupt);
   };
 
   const auto interrupted = [&] {
@@ -149,7 +149,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
       for (std::size_t i = before; i < flips.touched.size(); ++i) {
         geometry.Activate(flips.touched[i]);
       }
-      geometry.UpdateDensities();
+      geometry.UpdateDensities(interrupt);
       ++result.passes;
     }
     ++result.alternations;
@@ -160,10 +160,12 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
     if (result.alternations <= kEarlyAlternations) {
       relocate(find_everywhere(kEarlyLimits), {});
     } else if (result.alternations == kFirstMend || result.alternations == kSecondMend) {
-      relocate(find_everywhere(kMendLimits), coverage.FindUncovered(*mesh, *samples));
+      relocate(find_everywhere(kMendLimits), coverage.FindUncovered(*mesh, *samples, interrupt));
     } else if (result.alternations > kSecondMend && converged()) {
       update_defects();
-      const std::vector<UncoveredPlace> uncovered = coverage.FindUncovered(*mesh, *samples);
+      const std::vector<UncoveredPlace> uncovered =
+          coverage.FindUncovered(*mesh, *samples, interrupt);
+      if (interrupt->Requested()) return finish(interrupted());
       const std::size_t count =
           defects.size() +
           kGraveWeight * (uncovered.size() + static_cast<std::size_t>(std::count_if(

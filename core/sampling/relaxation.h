@@ -29,9 +29,10 @@ struct RelaxationReport {
 /// not worth fitting to the end. Calls `report` after every alternation and once, with alternation
 /// 0, before the first. `interrupt` is polled within alternations; once it is requested the
 /// relaxation ends with what it has: a whole sample mesh, every sample on the surface.
+/// @param stop  `interrupt` without its deadline: ends what a time limit does not cut short.
 RelaxationReport Relax(const Surface& surface, const Density& density, const Plan& plan,
                        const SamplingOptions& options,
                        const std::function<void(const AlternationReport&)>& report,
-                       Interrupt* interrupt, SampleMesh* mesh, Samples* samples);
+                       Interrupt* interrupt, Interrupt* stop, SampleMesh* mesh, Samples* samples);
 
 }  // namespace ccst

@@ -114,6 +114,7 @@ std::vector<Defect> FindDefects(const Surface& surface, const Density& density, 
   const double cosine = limits.least_angle > 0.0 ? std::cos(limits.least_angle) : 2.0;
   const double grave_cosine = grave.least_angle > 0.0 ? std::cos(grave.least_angle) : 2.0;
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (interrupt->RequestedAt(t)) break;
     const std::int32_t a = mesh.origin[3 * t];
     const std::int32_t b = mesh.origin[3 * t + 1];
     const std::int32_t c = mesh.origin[3 * t + 2];
@@ -147,6 +148,7 @@ std::vector<Defect> FindDefects(const Surface& surface, const Density& density, 
   };
   if (limits.reach == 0) {
     for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh.origin.size()); ++h) {
+      if (interrupt->RequestedAt(h)) break;
       if (mesh.twin[h] > h && scope[mesh.origin[h]]) {
         check_pair(mesh.Apex(h), mesh.Apex(mesh.twin[h]));
       }
@@ -319,7 +321,7 @@ SurfacePoint AtVertex(const Surface& surface, std::int32_t vertex) {
 std::int64_t Relocate(const std::vector<Defect>& defects,
                       const std::vector<UncoveredPlace>& uncovered, const Surface& surface,
                       Projection* projection, GeometryPhase* geometry, EdgeFlips* flips,
-                      SampleMesh* mesh, Samples* samples) {
+                      Interrupt* interrupt, SampleMesh* mesh, Samples* samples) {
   if (defects.empty() && uncovered.empty()) return 0;
   Relocation relocation(surface, projection, geometry, flips, mesh, samples);
   std::vector<std::int32_t> crowded;
@@ -344,7 +346,9 @@ std::int64_t Relocate(const std::vector<Defect>& defects,
   std::size_t next_place = 0;
   std::int64_t count = 0;
   std::int32_t slots[2];
+  std::int64_t tried = 0;
   for (const std::int32_t v : crowded) {
+    if (interrupt->RequestedAt(tried++)) break;
     if (next_place < uncovered.size()) {
       const UncoveredPlace& place = uncovered[next_place];
       const std::int32_t* corner = &mesh->origin[3 * place.triangle];

@@ -48,10 +48,11 @@ std::vector<Defect> FindDefects(const Surface& surface, const Density& density, 
 /// Takes the sample of each defect out of the sample mesh and puts it where it is wanted: onto an
 /// uncovered place or into one of the triangles of largest capacity. The count stays exact. Samples
 /// whose removal would change the topology stay. When there are more uncovered places than defects,
-/// the samples with the least room go too. @return how many moved.
+/// the samples with the least room go too. Ends early, every sample either moved or not, when
+/// `interrupt` is requested. @return how many moved.
 std::int64_t Relocate(const std::vector<Defect>& defects,
                       const std::vector<UncoveredPlace>& uncovered, const Surface& surface,
                       Projection* projection, GeometryPhase* geometry, EdgeFlips* flips,
-                      SampleMesh* mesh, Samples* samples);
+                      Interrupt* interrupt, SampleMesh* mesh, Samples* samples);
 
 }  // namespace ccst

@@ -81,7 +81,8 @@ absl::StatusOr<Start> TryStart(const Surface& surface, const Density& density,
   Start start;
   *smallest = count + 1;
   CCST_ASSIGN_OR_RETURN(start.plan, MakePlan(surface, density, creases, count, seed, smallest));
-  start.samples = DrawInitialPoints(surface, density, start.plan, seed);
+  CCST_ASSIGN_OR_RETURN(start.samples,
+                        DrawInitialPoints(surface, density, start.plan, seed, interrupt));
   std::vector<std::int32_t> failed;
   const bool several = start.plan.components.size() > 1;
   CCST_ASSIGN_OR_RETURN(start.mesh, BuildInitialMesh(surface, start.plan, start.samples, interrupt,
@@ -89,7 +90,8 @@ absl::StatusOr<Start> TryStart(const Surface& surface, const Density& density,
   if (failed.empty()) return start;
   // Those components get points instead; drawing again changes nothing on the others.
   for (const std::int32_t c : failed) start.plan.MakePoints(c);
-  start.samples = DrawInitialPoints(surface, density, start.plan, seed);
+  CCST_ASSIGN_OR_RETURN(start.samples,
+                        DrawInitialPoints(surface, density, start.plan, seed, interrupt));
   return start;
 }
 
@@ -134,9 +136,10 @@ std::vector<double> SpacingScales(const Surface& surface, const Density& density
   return scales;
 }
 
-/// Smallest distance between samples on the same side over the hexagonal spacing.
+/// Smallest distance between samples on the same side over the hexagonal spacing; of those looked
+/// at when `interrupt` was requested.
 double RelativeRadius(const Surface& surface, const Samples& samples,
-                      const std::vector<double>& scales) {
+                      const std::vector<double>& scales, Interrupt* interrupt) {
   std::vector<Eigen::Vector3d> normals(samples.position.size());
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const Eigen::Vector3i& face = surface.faces()[samples.face[i]];
@@ -145,22 +148,25 @@ double RelativeRadius(const Surface& surface, const Samples& samples,
                      .cross(surface.positions()[face[2]] - corner)
                      .normalized();
   }
-  return quality::FindClosestSameSide(samples.position, normals, scales).distance /
+  return quality::FindClosestSameSide(samples.position, normals, scales, interrupt).distance /
          quality::HexagonalSpacing(surface.area(), samples.count());
 }
 
-/// Every prefix well spread, but for white noise, whose own order is as random as it is, and for a
-/// run that was stopped: whoever stops it does not wait for that.
+std::vector<std::int32_t> OwnOrder(const Samples& samples) {
+  std::vector<std::int32_t> order(samples.position.size());
+  std::iota(order.begin(), order.end(), 0);
+  return order;
+}
+
+/// Every prefix well spread, but for white noise, whose own order is as random as it is. Unfinished
+/// when `interrupt` was requested.
 std::vector<std::int32_t> OrderSamples(const Surface& surface, const Samples& samples,
-                                       const std::vector<double>& scales, Termination termination,
-                                       const SamplingOptions& options) {
-  if (options.method == SamplingMethod::kWhiteNoise || termination == Termination::kStopped) {
-    std::vector<std::int32_t> order(samples.position.size());
-    std::iota(order.begin(), order.end(), 0);
-    return order;
-  }
+                                       const std::vector<double>& scales,
+                                       const SamplingOptions& options, Interrupt* interrupt) {
+  if (options.method == SamplingMethod::kWhiteNoise) return OwnOrder(samples);
   return ProgressiveOrder(samples.position, samples.normal, scales,
-                          quality::HexagonalSpacing(surface.area(), samples.count()), options.seed);
+                          quality::HexagonalSpacing(surface.area(), samples.count()), options.seed,
+                          interrupt);
 }
 
 }  // namespace
@@ -274,7 +280,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   Interrupt interrupt(run.stop, deadline);
   RelaxationReport relaxed;
   if (options.method == SamplingMethod::kCcst) {
-    relaxed = Relax(surface, density, first.plan, options, report, &interrupt, &first.mesh,
+    relaxed = Relax(surface, density, first.plan, options, report, &interrupt, &stop, &first.mesh,
                     &first.samples);
   } else {
     // The others have nothing to return before they end.
@@ -292,13 +298,19 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
       SecondsSince(start) - result.prepare_seconds - result.initialise_seconds;
 
   enter(Phase::kFinalizing);
-  const std::vector<double> scales = SpacingScales(surface, density, first.samples);
-  result.samples =
-      ExportSamples(mesh, sources, first.samples, first.mesh,
-                    OrderSamples(surface, first.samples, scales, result.termination, options));
-  if (result.termination != Termination::kStopped) {
-    result.relative_radius = RelativeRadius(surface, first.samples, scales);
+  std::vector<std::int32_t> order;
+  if (!stop.Requested()) {
+    const std::vector<double> scales = SpacingScales(surface, density, first.samples);
+    order = OrderSamples(surface, first.samples, scales, options, &stop);
+    result.relative_radius = RelativeRadius(surface, first.samples, scales, &stop);
   }
+  if (stop.Requested()) {
+    // Whoever stops a run waits for neither.
+    result.termination = Termination::kStopped;
+    result.relative_radius = 0.0;
+    order = OwnOrder(first.samples);
+  }
+  result.samples = ExportSamples(mesh, sources, first.samples, first.mesh, order);
   return result;
 }
 

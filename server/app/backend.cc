@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdlib>
+#include <limits>
 #include <mutex>
 #include <utility>
 
@@ -19,6 +20,8 @@ constexpr int kHeavyThreads = 2;
 constexpr std::size_t kMaxWaitingCalls = 10'000;
 constexpr std::size_t kMaxWaitingHeavy = 64;
 constexpr std::chrono::seconds kTick(5);
+// Of an upload that is whole; its sender waits as long.
+constexpr absl::Duration kLongestWaitForMemory = absl::Seconds(30);
 // Servers without a directory of their own on one machine.
 constexpr int kMaxDefaultDirectories = 64;
 
@@ -31,16 +34,39 @@ std::string StateDirectory() {
   return std::string(home != nullptr ? home : "") + "/.local/state/ccst";
 }
 
+// Memory for a mesh that is uploaded, from the same budget as that of jobs.
+auto MemoryForMeshes(std::shared_ptr<MemoryBudget> budget, decltype(RunDependencies::count) count,
+                     const MeshLimits& limits) {
+  return [budget = std::move(budget), count = std::move(count),
+          limits](std::span<const char> bytes) -> absl::StatusOr<std::shared_ptr<void>> {
+    MeshCounts counts;
+    CCST_ASSIGN_OR_RETURN(counts, count(bytes, static_cast<std::int64_t>(bytes.size()), limits));
+    const std::int64_t wanted = EstimateMemory(counts.vertices, counts.faces, {});
+    if (wanted > budget->limit_bytes()) {
+      return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kLimitExceeded,
+                       "the mesh may need " + std::to_string(wanted) +
+                           " bytes of memory, over max_job_memory_bytes, " +
+                           std::to_string(budget->limit_bytes()));
+    }
+    auto grant = budget->TakeWithin(kLongestWaitForMemory, wanted);
+    if (grant != nullptr) return grant;
+    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQueueFull,
+                     "jobs use the memory that the mesh needs, " + std::to_string(wanted) +
+                         " bytes; upload again later");
+  };
+}
+
 // The first directory of the user's that no other server has open, where `directory` is empty; says
 // there which it is.
 absl::StatusOr<std::unique_ptr<Store>> OpenStore(
-    std::string& directory, const std::function<void(const std::string&)>& report) {
-  if (!directory.empty()) return OpenEmbeddedStore(directory);
+    std::string& directory, std::int64_t max_bytes,
+    const std::function<void(const std::string&)>& report) {
+  if (!directory.empty()) return OpenEmbeddedStore(directory, max_bytes);
   absl::Status last;
   for (int i = 1; i <= kMaxDefaultDirectories; ++i) {
     const std::string name = i == 1 ? "server" : "server-" + std::to_string(i);
     const std::string candidate = StateDirectory() + "/" + name;
-    auto store = OpenEmbeddedStore(candidate);
+    auto store = OpenEmbeddedStore(candidate, max_bytes);
     if (store.ok() && i > 1) {
       report("another server has the default data directory; this one keeps its jobs in " + name +
              " beside it; set --data-dir to say where");
@@ -64,20 +90,27 @@ absl::StatusOr<std::unique_ptr<Backend>> Backend::Open(const ServerOptions& opti
   std::unique_ptr<Backend> backend(new Backend);
   backend->report_ = dependencies.report;
   backend->data_dir_ = options.data_dir;
-  CCST_ASSIGN_OR_RETURN(backend->store_, OpenStore(backend->data_dir_, dependencies.report));
+  const std::int64_t max_bytes = options.max_data_bytes > 0
+                                     ? options.max_data_bytes
+                                     : std::numeric_limits<std::int64_t>::max();
+  CCST_ASSIGN_OR_RETURN(backend->store_,
+                        OpenStore(backend->data_dir_, max_bytes, dependencies.report));
   backend->pins_ = std::make_unique<BlobPins>(*backend->store_);
-  backend->meshes_ =
-      std::make_unique<MeshStore>(*backend->store_, *backend->pins_, options.MeshOptions(),
-                                  RealMeshDependencies(dependencies.run.clock));
+  const JobManagerOptions jobs = options.JobOptions();
+  const auto budget = std::make_shared<MemoryBudget>(jobs.memory_budget_bytes);
+  MeshDependencies meshes = RealMeshDependencies(dependencies.run.clock);
+  meshes.take_memory = MemoryForMeshes(budget, dependencies.run.count, options.mesh_limits);
+  backend->meshes_ = std::make_unique<MeshStore>(*backend->store_, *backend->pins_,
+                                                 options.MeshOptions(), std::move(meshes));
   RunDependencies run = std::move(dependencies.run);
   run.mesh_limits = options.mesh_limits;
   run.threads_per_job = options.threads_per_job;
-  CCST_ASSIGN_OR_RETURN(backend->jobs_,
-                        JobManager::Start(*backend->store_, *backend->pins_, options.JobOptions(),
-                                          {.run = std::move(run),
-                                           .codec = ProtoJobCodec(),
-                                           .new_id = std::move(dependencies.new_id),
-                                           .observer = dependencies.observer}));
+  CCST_ASSIGN_OR_RETURN(backend->jobs_, JobManager::Start(*backend->store_, *backend->pins_, jobs,
+                                                          {.run = std::move(run),
+                                                           .codec = ProtoJobCodec(),
+                                                           .new_id = std::move(dependencies.new_id),
+                                                           .observer = dependencies.observer,
+                                                           .budget = budget}));
   return backend;
 }
 

@@ -136,6 +136,8 @@ class Flags {
     Add("max-watchers-per-job", options.max_watchers_per_job, "WatchJob streams of one job");
     Add("job-retention", options.job_retention_seconds, "Seconds that an ended job is kept");
     Add("max-mesh-bytes", options.mesh_limits.max_bytes, "Bytes of an encoded mesh");
+    Add("max-data-bytes", options.max_data_bytes,
+        "Bytes of all meshes, images and samples together; 0: what the disk has");
     Add("max-stored-mesh-bytes", options.max_stored_mesh_bytes,
         "Bytes of encoded meshes that one caller may have stored");
     Add("mesh-retention", options.mesh_retention_seconds, "Seconds that an unused mesh is kept");

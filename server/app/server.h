@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include <grpcpp/channel.h>
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server.h>
 
@@ -45,6 +46,8 @@ class Server {
 
   /// HOST:PORT with the port really listened on.
   const std::string& address() const { return address_; }
+  /// A channel to this server within the process, for programs that have a server of their own.
+  std::shared_ptr<grpc::Channel> InProcessChannel();
   /// HOST:PORT of the metrics; empty when they are off.
   const std::string& metrics_address() const { return metrics_address_; }
 

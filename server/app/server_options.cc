@@ -69,6 +69,7 @@ absl::Status ServerOptions::Validate() const {
   CCST_RETURN_IF_ERROR(CheckRange(mesh_limits.max_bytes, 1, kLargestMesh, "--max-mesh-bytes"));
   CCST_RETURN_IF_ERROR(
       CheckRange(max_stored_mesh_bytes, 1, kLargestBytes, "--max-stored-mesh-bytes"));
+  CCST_RETURN_IF_ERROR(CheckRange(max_data_bytes, 0, kLargestBytes, "--max-data-bytes"));
   for (const auto& [seconds, flag] : {std::pair(mesh_retention_seconds, "--mesh-retention"),
                                       std::pair(job_retention_seconds, "--job-retention")}) {
     CCST_RETURN_IF_ERROR(Check(seconds > 0.0 && seconds <= kLongestSeconds, flag,

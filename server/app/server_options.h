@@ -25,6 +25,7 @@ struct ServerOptions {
   /// Ten million samples would fit the core, but not the memory of a small machine.
   RequestLimits request_limits = {.max_sample_count = 2'000'000};
   MeshLimits mesh_limits = {.max_bytes = std::int64_t{256} << 20};
+  std::int64_t max_data_bytes = 0;  ///< Of all meshes, images and samples; 0: what the disk has.
   std::int64_t max_stored_mesh_bytes = std::int64_t{4} << 30;  ///< Of one caller.
   double mesh_retention_seconds = 7 * 86400.0;                 ///< Of an unused mesh.
   RunnerOptions runner;

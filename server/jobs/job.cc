@@ -33,6 +33,11 @@ int MostDemanding(const auto& watchers) {
 
 }  // namespace
 
+bool IsPutBack(const JobSpec& spec, const JobView& view) {
+  return view.stop_cause == StopCause::kDrain && !spec.ends_with_caller &&
+         (view.state == JobState::kCancelling || view.state == JobState::kCancelled);
+}
+
 Job::Job(std::string id, JobSpec spec, const Clock& clock, Post post)
     : id_(std::move(id)),
       spec_(std::move(spec)),
@@ -51,6 +56,7 @@ Job::Job(std::string id, JobSpec spec, const Clock& clock, JobView view,
       create_seconds_(clock.seconds()),
       view_(std::move(view)),
       sealed_(true),
+      published_(true),
       reports_(std::move(reports)),
       unwatched_since_(create_seconds_) {
   if (!reports_.empty()) view_.last_report = reports_.back();
@@ -111,6 +117,12 @@ double Job::UnwatchedSeconds() const {
 bool Job::Cancel(StopCause cause) {
   {
     MutexLock lock(mutex_);
+    if (view_.stop_cause == StopCause::kDrain && cause != StopCause::kDrain && !published_) {
+      // It stops already, to be run again; now it is not to be.
+      view_.stop_cause = cause;
+      ++view_.version;
+      return true;
+    }
     if (sealed_ || HasEnded(view_.state) || view_.stop_cause != StopCause::kNone) return false;
     view_.stop_cause = cause;
     Advance(cause == StopCause::kDrain ? JobEvent::kDrainEnds : JobEvent::kCancel);
@@ -209,6 +221,7 @@ void Job::Publish(JobView end) {
     MutexLock lock(mutex_);
     end.version = view_.version + 1;
     view_ = std::move(end);
+    published_ = true;
     preview_ = nullptr;
   }
   Notify();

@@ -60,6 +60,10 @@ struct JobView {
   std::optional<absl::Time> expire_time;
 };
 
+/// True for a job that stops, or has, because its server goes away, and that the next start runs:
+/// to its owner it waits.
+bool IsPutBack(const JobSpec& spec, const JobView& view);
+
 /// One job and everything that happened in it. The history of progress is append-only and a
 /// watcher is only a cursor into it, so a slow watcher costs the worker nothing and the memory is
 /// bounded by `max_iterations` small reports and one preview. Thread-safe.
@@ -103,7 +107,8 @@ class Job : public std::enable_shared_from_this<Job> {
   double UnwatchedSeconds() const;
 
   /// Asks the run to stop, true when it has not ended and was not asked before; the first cause
-  /// counts. A job that waits is CANCELLED at once, one that runs becomes CANCELLING.
+  /// counts, but that a caller's replaces kDrain. A job that waits is CANCELLED at once, one that
+  /// runs becomes CANCELLING.
   bool Cancel(StopCause cause);
 
   // For the queue and the worker.
@@ -140,7 +145,8 @@ class Job : public std::enable_shared_from_this<Job> {
 
   mutable Mutex mutex_;
   JobView view_ ABSL_GUARDED_BY(mutex_);
-  bool sealed_ ABSL_GUARDED_BY(mutex_) = false;
+  bool sealed_ ABSL_GUARDED_BY(mutex_) = false;     // How it ends is decided,
+  bool published_ ABSL_GUARDED_BY(mutex_) = false;  // and shown.
   double start_seconds_ ABSL_GUARDED_BY(mutex_) = 0.0;
   std::vector<AlternationReport> reports_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<const JobPreview> preview_ ABSL_GUARDED_BY(mutex_);

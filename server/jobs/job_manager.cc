@@ -15,6 +15,8 @@ constexpr std::size_t kMaxPosted = std::size_t{1} << 20;
 // Ended jobs whose samples are on their way to the disk, beside those that run.
 constexpr int kStorers = 2;
 constexpr int kSweepBatch = 100;
+// What a sample and its two triangles take on the disk, about.
+constexpr std::int64_t kStoredBytesPerSample = 100;
 
 absl::Status NotFound(const std::string& id) {
   return MakeError(absl::StatusCode::kNotFound, ErrorReason::kNotFound,
@@ -57,7 +59,9 @@ JobManager::JobManager(Store& store, BlobPins& pins, const JobManagerOptions& op
       options_(options),
       dependencies_(std::move(dependencies)),
       records_(dependencies_.codec),
-      budget_(std::make_shared<MemoryBudget>(options.memory_budget_bytes)),
+      budget_(dependencies_.budget != nullptr
+                  ? dependencies_.budget
+                  : std::make_shared<MemoryBudget>(options.memory_budget_bytes)),
       notifier_(1, kMaxPosted),
       decoders_(2 * options.runner.max_running_jobs, kMaxPosted),
       storers_(kStorers, static_cast<std::size_t>(options.runner.max_running_jobs)) {
@@ -82,10 +86,13 @@ absl::StatusOr<std::unique_ptr<JobManager>> JobManager::Start(Store& store, Blob
 }
 
 absl::Status JobManager::TakeUp(const JobRecord& record) {
-  JobSpec spec;
-  CCST_ASSIGN_OR_RETURN(spec, records_.SpecOf(record));
-  const bool cancelled = record.state == JobState::kCancelling || spec.ends_with_caller;
-  const std::shared_ptr<Job> job = NewJob(record.id, std::move(spec));
+  auto spec = records_.SpecOf(record);
+  if (!spec.ok()) {
+    const absl::Time now = dependencies_.run.clock.now();  // Others shall run nevertheless.
+    return store_.EndJob(records_.Failed(record, spec.status(), now, options_.retention), "");
+  }
+  const bool cancelled = record.state == JobState::kCancelling || spec->ends_with_caller;
+  const std::shared_ptr<Job> job = NewJob(record.id, *std::move(spec));
   if (cancelled) {
     job->Cancel(StopCause::kCaller);
     return StoreEnd(*job, job->View());
@@ -151,6 +158,7 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::Create(JobSpec spec) {
   }
   std::int64_t memory = 0;
   CCST_ASSIGN_OR_RETURN(memory, AdmittedMemory(spec));
+  CCST_RETURN_IF_ERROR(store_.blobs().CheckRoom(kStoredBytesPerSample * spec.options.sample_count));
   auto place = runner_->Reserve(spec.share);
   if (!place.ok()) return place.status();
   const JobRecord record =
@@ -273,10 +281,15 @@ absl::StatusOr<Page<JobSummary>> JobManager::List(const JobFilter& filter, int p
       summary.spec = live->spec();
       summary.view = live->View();
     } else {
-      CCST_ASSIGN_OR_RETURN(summary.spec, records_.SpecOf(record));
       CCST_ASSIGN_OR_RETURN(summary.view, records_.ViewOf(record));
+      auto spec = records_.SpecOf(record);
+      // One that is damaged shall not hide the others.
+      if (!spec.ok()) summary.view.error = spec.status();
+      if (spec.ok()) summary.spec = *std::move(spec);
     }
-    if (!filter.states.empty() && !has(summary.view.state)) continue;
+    const bool put_back = IsPutBack(summary.spec, summary.view);
+    const JobState state = put_back ? JobState::kQueued : summary.view.state;
+    if (!filter.states.empty() && !has(state)) continue;
     page.records.push_back(std::move(summary));
   }
   return page;
@@ -287,12 +300,13 @@ void JobManager::Stop(Job& job, StopCause cause) {
 }
 
 absl::Status JobManager::Cancel(const std::shared_ptr<Job>& job, StopCause cause) {
+  // The wish first: a server that is killed between the two must not run the job again. Also of a
+  // job that a drain has put back meanwhile; one that has ended stays as it is.
+  if (!job->spec().ends_with_caller) CCST_RETURN_IF_ERROR(store_.MarkCancelling(job->id()));
   {
     MutexLock lock(mutex_);
     if (!live_.contains(job->id())) return absl::OkStatus();
   }
-  // The wish first: a server that is killed between the two must not run the job again.
-  if (!job->spec().ends_with_caller) CCST_RETURN_IF_ERROR(store_.MarkCancelling(job->id()));
   Stop(*job, cause);
   const JobView view = job->View();
   // What runs is stored when its worker lets go of it.
@@ -327,8 +341,7 @@ void JobManager::Finish(const std::shared_ptr<Job>& job, absl::StatusOr<JobResul
   if (outcome.ok()) samples = std::exchange(outcome->run.samples, {});
   JobView end = job->Seal(std::move(outcome));
   end.expire_time = *end.end_time + options_.retention;
-  const bool put_back = end.state == JobState::kCancelled && end.stop_cause == StopCause::kDrain &&
-                        !job->spec().ends_with_caller;
+  const bool put_back = IsPutBack(job->spec(), end);
   absl::Status stored;
   std::unique_ptr<BlobPins::Pin> pin;
   if (end.result != nullptr) {

@@ -37,6 +37,8 @@ struct JobManagerDependencies {
   JobCodec codec;
   std::function<std::string()> new_id;
   JobObserver* observer = nullptr;  ///< Not owned.
+  /// Shared with others that need memory; null: one of its own, with `memory_budget_bytes`.
+  std::shared_ptr<MemoryBudget> budget = nullptr;
 };
 
 /// A job as it is listed.
@@ -107,7 +109,9 @@ class JobManager {
   /// before.
   bool WaitUntilIdle(absl::Duration timeout);
   /// Asks all jobs to stop; those that do not end with their caller are run by the next Start().
-  void StopAll() { runner_->StopAll(); }
+  void StopAll() {
+    for (int i = runner_->StopAll(); i > 0; --i) dependencies_.observer->OnCancel("drain");
+  }
 
   RunnerLoad Load() const { return runner_->Load(); }
   const MemoryBudget& memory() const { return *budget_; }

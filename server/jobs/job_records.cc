@@ -19,6 +19,18 @@ JobRecord JobRecords::New(const std::string& id, const JobSpec& spec, absl::Time
   return record;
 }
 
+JobRecord JobRecords::Failed(const JobRecord& record, const absl::Status& error, absl::Time now,
+                             absl::Duration retention) const {
+  JobView end;
+  end.error = error;
+  JobRecord failed = record;
+  failed.state = JobState::kFailed;
+  failed.end_time = now;
+  failed.expire_time = now + retention;
+  failed.outcome = codec_.encode_outcome(end);
+  return failed;
+}
+
 JobRecord JobRecords::Ended(const Job& job, const JobView& end, absl::Duration retention) const {
   JobRecord record;
   record.id = job.id();
@@ -34,6 +46,10 @@ JobRecord JobRecords::Ended(const Job& job, const JobView& end, absl::Duration r
 }
 
 absl::StatusOr<JobSpec> JobRecords::SpecOf(const JobRecord& record) const {
+  if (record.damaged) {
+    return MakeError(absl::StatusCode::kInternal, ErrorReason::kStorageFailed,
+                     "the records are damaged: the definition of job " + record.id);
+  }
   JobSpec spec;
   CCST_RETURN_IF_ERROR(codec_.decode_definition(record.definition, spec));
   spec.owner = record.owner;

@@ -22,6 +22,9 @@ class JobRecords {
 
   /// What Store::EndJob() takes of a job that ends as `end` says and is kept for `retention`.
   JobRecord Ended(const Job& job, const JobView& end, absl::Duration retention) const;
+  /// The same of a job that cannot even be read.
+  JobRecord Failed(const JobRecord& record, const absl::Status& error, absl::Time now,
+                   absl::Duration retention) const;
   std::string History(const Job& job) const { return codec_.encode_history(job.Reports()); }
 
   /// INTERNAL STORAGE_FAILED where the bytes are damaged.

@@ -148,11 +148,13 @@ bool JobRunner::WaitUntilIdle(absl::Duration timeout) {
   return true;
 }
 
-void JobRunner::StopAll() {
+int JobRunner::StopAll() {
   MutexLock lock(mutex_);
-  while (!queue_.empty()) queue_.Pop().job->Cancel(StopCause::kDrain);
-  for (const auto& job : running_) job->Cancel(StopCause::kDrain);
+  int stopped = 0;
+  while (!queue_.empty()) stopped += queue_.Pop().job->Cancel(StopCause::kDrain);
+  for (const auto& job : running_) stopped += job->Cancel(StopCause::kDrain);
   changed_.notify_all();
+  return stopped;
 }
 
 RunnerLoad JobRunner::Load() const {

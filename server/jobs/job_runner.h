@@ -77,8 +77,9 @@ class JobRunner {
   /// Waits until nothing waits or runs; false when `timeout` passed before.
   bool WaitUntilIdle(absl::Duration timeout);
 
-  /// Asks all jobs to stop, for the reason that draining cannot wait longer.
-  void StopAll();
+  /// Asks all jobs to stop, for the reason that draining cannot wait longer. @return how many did
+  /// not stop already.
+  int StopAll();
 
   RunnerLoad Load() const;
 

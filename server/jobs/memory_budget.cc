@@ -1,8 +1,17 @@
 #include "server/jobs/memory_budget.h"
 
+#include <chrono>
 #include <utility>
 
+#include "server/base/free_memory.h"
+
 namespace ccst::server {
+namespace {
+
+// Less than this is soon used again.
+constexpr std::int64_t kWorthReturning = std::int64_t{16} << 20;
+
+}  // namespace
 
 std::int64_t MemoryBudget::used_bytes() const {
   MutexLock lock(mutex_);
@@ -19,6 +28,17 @@ std::shared_ptr<void> MemoryBudget::Take(std::int64_t bytes) {
   return {this, [self = shared_from_this(), bytes](void*) { self->Release(bytes); }};
 }
 
+std::shared_ptr<void> MemoryBudget::TakeWithin(absl::Duration timeout, std::int64_t bytes) {
+  const auto deadline = std::chrono::steady_clock::now() + absl::ToChronoNanoseconds(timeout);
+  while (true) {
+    if (auto grant = Take(bytes); grant != nullptr) return grant;
+    MutexLock lock(mutex_);
+    while (used_bytes_ + bytes > limit_bytes_) {
+      if (released_.wait_until(mutex_, deadline) == std::cv_status::timeout) return nullptr;
+    }
+  }
+}
+
 void MemoryBudget::SetOnRelease(std::function<void()> on_release) {
   MutexLock lock(listener_mutex_);
   on_release_ = std::move(on_release);
@@ -29,6 +49,8 @@ void MemoryBudget::Release(std::int64_t bytes) {
     MutexLock lock(mutex_);
     used_bytes_ -= bytes;
   }
+  released_.notify_all();
+  if (bytes >= kWorthReturning) ReturnFreeMemory();
   MutexLock lock(listener_mutex_);
   if (on_release_) on_release_();
 }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 
+#include "absl/time/time.h"
 #include "server/base/mutex.h"
 
 namespace ccst::server {
@@ -16,8 +17,12 @@ class MemoryBudget : public std::enable_shared_from_this<MemoryBudget> {
   std::int64_t limit_bytes() const { return limit_bytes_; }
   std::int64_t used_bytes() const;
 
-  /// The memory is taken until the last copy of the grant is gone; null when it is not free.
+  /// The memory is taken until the last copy of the grant is gone; null when it is not free. What
+  /// a large grant was for is then given back to the system, on the thread that let go of it.
   std::shared_ptr<void> Take(std::int64_t bytes);
+
+  /// Take(), waiting for at most `timeout`.
+  std::shared_ptr<void> TakeWithin(absl::Duration timeout, std::int64_t bytes);
 
   /// Called after memory became free, on any thread; an empty function takes it back, and once
   /// that returned no call runs any more.
@@ -28,6 +33,7 @@ class MemoryBudget : public std::enable_shared_from_this<MemoryBudget> {
 
   const std::int64_t limit_bytes_;
   mutable Mutex mutex_;
+  CondVar released_;
   std::int64_t used_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   // Held while it runs; never together with mutex_.
   Mutex listener_mutex_;

@@ -92,7 +92,8 @@ absl::StatusOr<T> RunUnlessStopped(Executor& executor, std::stop_token stop,
     absl::StatusOr<T> result ABSL_GUARDED_BY(mutex);
   };
   auto decoding = std::make_shared<Decoding>();
-  const auto run = [decoding, decode = std::move(decode), grant = std::move(grant)] {
+  // The grant goes last: by then what nobody waits for any more is freed.
+  const auto run = [grant = std::move(grant), decode = std::move(decode), decoding] {
     absl::StatusOr<T> result = WithoutThrowing<T>(decode);
     MutexLock lock(decoding->mutex);
     decoding->result = std::move(result);

@@ -91,10 +91,14 @@ absl::StatusOr<StoredMesh> MeshStore::Finish(const MeshUpload& upload, BlobWrite
 }
 
 absl::StatusOr<std::string> MeshStore::Measure(const std::string& sha256) const {
+  std::shared_ptr<void> memory;  // Before what it is for, and so given back after it.
   TriangleMesh mesh;
   {
     std::string bytes;
     CCST_ASSIGN_OR_RETURN(bytes, ReadWhole(store_.blobs(), sha256));
+    if (dependencies_.take_memory) {
+      CCST_ASSIGN_OR_RETURN(memory, dependencies_.take_memory(bytes));
+    }
     CCST_ASSIGN_OR_RETURN(mesh, dependencies_.decode(bytes, options_.decode_limits));
   }
   MeshFacts facts;

@@ -52,6 +52,9 @@ struct MeshUpload {
 struct MeshDependencies {
   /// As DecodeDraco().
   std::function<absl::StatusOr<TriangleMesh>(std::span<const char>, const MeshLimits&)> decode;
+  /// Memory for decoding and measuring these bytes, in use while what it returns exists. Null:
+  /// there is no bound. RESOURCE_EXHAUSTED when there is none for too long.
+  std::function<absl::StatusOr<std::shared_ptr<void>>(std::span<const char>)> take_memory;
   /// Repairs and measures. Errors as SampleSurface() for a mesh that cannot be sampled.
   std::function<absl::StatusOr<MeshFacts>(const TriangleMesh&)> measure;
   std::function<std::string(const MeshFacts&)> encode_facts;
@@ -82,8 +85,8 @@ class MeshStore {
   /// Checks digest and size, decodes and measures, drops of what is idle the least lately used
   /// until there is room, and stores. A mesh that was stored meanwhile stays as it is. Nothing
   /// stays of what is refused. Holds the encoded and the decoded mesh in memory.
-  /// @errors INVALID_ARGUMENT DIGEST_MISMATCH | RESOURCE_EXHAUSTED QUOTA_EXCEEDED | those of decode
-  ///         and measure | those of Store
+  /// @errors INVALID_ARGUMENT DIGEST_MISMATCH | RESOURCE_EXHAUSTED QUOTA_EXCEEDED | those of
+  ///         take_memory, decode and measure | those of Store
   absl::StatusOr<StoredMesh> Finish(const MeshUpload& upload, BlobWriter& writer);
 
   /// NOT_FOUND when absent, expired or another owner's.

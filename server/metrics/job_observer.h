@@ -17,9 +17,9 @@ class JobObserver {
   virtual void OnAlternation() = 0;
   /// A job ended in `state`, for example `succeeded`, `seconds` after it was submitted.
   virtual void OnEnd(std::string_view state, double seconds) = 0;
-  /// A job was asked to stop: by `caller`, `drain` or `expiry`.
+  /// A job was asked to stop: by `caller`, `drain` or `abandoned`, when nobody watches it.
   virtual void OnCancel(std::string_view reason) = 0;
-  /// Something stored by its digest was looked for: `mesh` or `result`.
+  /// Something stored by its digest was looked for: `result`.
   virtual void OnCacheLookup(std::string_view cache, bool hit) = 0;
 };
 

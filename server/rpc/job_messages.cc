@@ -9,7 +9,6 @@
 #include "proto/convert/status.h"
 
 namespace ccst::server {
-namespace {}  // namespace
 
 v1::Job::State ToProto(JobState state) {
   switch (state) {
@@ -64,7 +63,8 @@ v1::Job ToProto(const std::string& id, const JobSpec& spec, const JobView& view)
   }
   job.mutable_labels()->insert(spec.labels.begin(), spec.labels.end());
   job.set_result_cached(view.cached);
-  job.set_state(ToProto(view.state));
+  // Ended states never change, and this one will run.
+  job.set_state(IsPutBack(spec, view) ? v1::Job::STATE_QUEUED : ToProto(view.state));
   job.set_queue_position(view.queue_position);
   if (view.phase.has_value()) {
     AlternationReport latest;
@@ -77,7 +77,9 @@ v1::Job ToProto(const std::string& id, const JobSpec& spec, const JobView& view)
   if (!view.error.ok()) *job.mutable_error() = ccst::ToProto(view.error);
   *job.mutable_create_time() = TimestampToProto(view.create_time);
   if (view.start_time.has_value()) *job.mutable_start_time() = TimestampToProto(*view.start_time);
-  if (view.end_time.has_value()) *job.mutable_end_time() = TimestampToProto(*view.end_time);
+  if (view.end_time.has_value() && !IsPutBack(spec, view)) {
+    *job.mutable_end_time() = TimestampToProto(*view.end_time);
+  }
   if (view.expire_time.has_value()) {
     *job.mutable_expire_time() = TimestampToProto(*view.expire_time);
   }

@@ -174,6 +174,7 @@ absl::StatusOr<bool> FindHeld(MeshStore& meshes, const MeshUpload& upload, v1::M
 
 MeshDependencies RealMeshDependencies(const Clock& clock) {
   return {.decode = DecodeDraco,
+          .take_memory = nullptr,
           .measure = MeasureMesh,
           .encode_facts = EncodeFacts,
           .decode_facts = DecodeFacts,

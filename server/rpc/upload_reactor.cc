@@ -53,7 +53,6 @@ UploadReactor* UploadReactor::Start(MeshSupport& support, grpc::CallbackServerCo
 UploadReactor::UploadReactor(MeshSupport& support, grpc::CallbackServerContext& context,
                              v1::UploadMeshResponse& response)
     : support_(support), context_(context), response_(response) {
-  ++support_.uploads;
   call_.emplace(support.calls, context, "UploadMesh", Scope::kFull);
 }
 
@@ -63,11 +62,9 @@ void UploadReactor::Begin() {
   });
   MutexLock lock(mutex_);
   if (!call_->admission().ok()) return FinishWith(call_->admission());
-  if (support_.uploads > support_.options.max_uploads) {
-    return FinishWith(MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQueueFull,
-                                "there are " + std::to_string(support_.options.max_uploads) +
-                                    " uploads under way, as many as may be; try again later"));
-  }
+  auto slot = support_.uploads.Take(call_->caller().owner);
+  if (!slot.ok()) return FinishWith(slot.status());
+  slot_.emplace(*std::move(slot));
   ReadNext();
 }
 
@@ -102,9 +99,24 @@ absl::StatusOr<UploadReactor::Step> UploadReactor::Next(bool ok) {
   }
   if (!ok) return &UploadReactor::StoreMesh;
   if (!message_.has_chunk()) return Invalid("chunk", "must be in every message but the first");
+  CCST_RETURN_IF_ERROR(CheckPace());
   CCST_RETURN_IF_ERROR(CheckChunk(message_.chunk(), writer_->size_bytes(), upload_.size_bytes,
                                   support_.options.max_chunk_bytes));
   return &UploadReactor::AppendChunk;
+}
+
+absl::Status UploadReactor::CheckPace() const {
+  const MeshServiceOptions& options = support_.options;
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  const double allowed = absl::ToDoubleSeconds(options.max_idle) +
+                         static_cast<double>(writer_->size_bytes()) / options.min_bytes_per_second;
+  if (seconds <= allowed) return absl::OkStatus();
+  return MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled,
+                   std::to_string(writer_->size_bytes()) + " bytes in " + std::to_string(seconds) +
+                       " seconds are too few to keep others waiting; at least " +
+                       std::to_string(options.min_bytes_per_second) +
+                       " a second must come; upload again from the start");
 }
 
 void UploadReactor::Post(Step step) {
@@ -173,7 +185,7 @@ void UploadReactor::OnDone() {
     // What was not committed is deleted, which blocks; this is one of gRPC's threads.
     support_.disk.Run([writer = std::shared_ptr<BlobWriter>(std::move(writer_))] {});
   }
-  --support_.uploads;
+  slot_.reset();
   {
     MutexLock lock(mutex_);
     call_.reset();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -40,6 +41,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
   void Begin();
   // The step that `message_`, or its absence, asks for; an error when it is wrong.
   absl::StatusOr<Step> Next(bool ok);
+  absl::Status CheckPace() const;
   absl::Status TakeHeader();
   absl::Status AppendChunk();
   absl::Status StoreMesh();
@@ -60,6 +62,8 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
   MeshUpload upload_;
   std::unique_ptr<BlobWriter> writer_;
   bool stored_ = false;  // The response is ready.
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  std::optional<UploadSlots::Slot> slot_;  // Until OnDone().
 
   Mutex mutex_;
   bool reading_ ABSL_GUARDED_BY(mutex_) = false;

@@ -61,7 +61,7 @@ StreamStep WatchReactor::Next(v1::WatchJobResponse& message) {
     }
     closed_ = true;
     const JobView& end = events_->end();
-    if (end.stop_cause == StopCause::kDrain && !job_->spec().ends_with_caller) {
+    if (IsPutBack(job_->spec(), end)) {
       end_status_ = GoingAway();
       return StreamStep::kEnd;
     }

@@ -51,6 +51,9 @@ class BlobStore {
   /// @errors NOT_FOUND NOT_FOUND | INTERNAL STORAGE_FAILED
   virtual absl::StatusOr<std::shared_ptr<const Blob>> Open(const std::string& sha256) const = 0;
 
+  /// RESOURCE_EXHAUSTED STORAGE_FULL when `bytes` more are over the limit on all blobs.
+  virtual absl::Status CheckRoom(std::int64_t bytes) const = 0;
+
   virtual bool Contains(const std::string& sha256) const = 0;
 
   /// Nothing happens when it is not there.

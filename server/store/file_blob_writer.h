@@ -7,6 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/base/sha256.h"
+#include "server/store/blob_space.h"
 #include "server/store/blob_store.h"
 #include "server/store/files.h"
 
@@ -18,10 +19,10 @@ std::string BlobPath(const std::string& sha256);
 /// Writes one blob of FileBlobs.
 class FileBlobWriter : public BlobWriter {
  public:
-  /// Starts the file `name` in `incoming`; both directories must outlive the writer.
+  /// Starts the file `name` in `incoming`; directories and space must outlive the writer.
   static absl::StatusOr<std::unique_ptr<BlobWriter>> Create(const FileDescriptor& blobs,
                                                             const FileDescriptor& incoming,
-                                                            std::string name);
+                                                            std::string name, BlobSpace& space);
   ~FileBlobWriter() override;
 
   absl::Status Append(std::string_view bytes) override;
@@ -31,7 +32,7 @@ class FileBlobWriter : public BlobWriter {
 
  private:
   FileBlobWriter(const FileDescriptor& blobs, const FileDescriptor& incoming, std::string name,
-                 FileDescriptor file);
+                 FileDescriptor file, BlobSpace& space);
   absl::Status Fail(absl::Status status);
   void Discard();
 
@@ -39,6 +40,7 @@ class FileBlobWriter : public BlobWriter {
   const FileDescriptor& incoming_;
   const std::string name_;
   FileDescriptor file_;
+  BlobSpace& space_;
   std::int64_t size_bytes_ = 0;
   Sha256 hash_;
   std::string sha256_;

@@ -70,7 +70,8 @@ std::string FolderOf(int index) { return absl::StrCat(absl::Hex(index, absl::kZe
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<FileBlobs>> FileBlobs::Open(const FileDescriptor& directory) {
+absl::StatusOr<std::unique_ptr<FileBlobs>> FileBlobs::Open(const FileDescriptor& directory,
+                                                           std::int64_t max_bytes) {
   FileDescriptor blobs;
   FileDescriptor incoming;
   CCST_ASSIGN_OR_RETURN(blobs, OpenSubdirectory(directory, "blobs"));
@@ -87,11 +88,16 @@ absl::StatusOr<std::unique_ptr<FileBlobs>> FileBlobs::Open(const FileDescriptor&
       return FileError(errno, "cannot remove an unfinished blob");
     }
   }
-  return std::unique_ptr<FileBlobs>(new FileBlobs(std::move(blobs), std::move(incoming)));
+  std::unique_ptr<FileBlobs> opened(
+      new FileBlobs(std::move(blobs), std::move(incoming), max_bytes));
+  std::vector<std::string> digests;
+  CCST_ASSIGN_OR_RETURN(digests, opened->List());
+  for (const std::string& sha256 : digests) opened->space_.Count(opened->SizeOf(sha256));
+  return opened;
 }
 
 absl::StatusOr<std::unique_ptr<BlobWriter>> FileBlobs::NewBlob() {
-  return FileBlobWriter::Create(blobs_, incoming_, absl::StrCat(next_name_++));
+  return FileBlobWriter::Create(blobs_, incoming_, absl::StrCat(next_name_++), space_);
 }
 
 absl::StatusOr<std::shared_ptr<const Blob>> FileBlobs::Open(const std::string& sha256) const {
@@ -107,16 +113,25 @@ absl::StatusOr<std::shared_ptr<const Blob>> FileBlobs::Open(const std::string& s
   return std::make_shared<FileBlob>(std::move(file), facts.st_size);
 }
 
+std::int64_t FileBlobs::SizeOf(const std::string& sha256) const {
+  struct stat facts = {};
+  const bool found =
+      IsSha256(sha256) && fstatat(blobs_.number(), BlobPath(sha256).c_str(), &facts, 0) == 0;
+  return found ? facts.st_size : 0;
+}
+
 bool FileBlobs::Contains(const std::string& sha256) const {
   return IsSha256(sha256) && faccessat(blobs_.number(), BlobPath(sha256).c_str(), F_OK, 0) == 0;
 }
 
 absl::Status FileBlobs::Remove(const std::string& sha256) {
+  const std::int64_t size = SizeOf(sha256);
   // Not synchronized: should the name come back, nothing refers to it, and the next start drops it.
   if (IsSha256(sha256) && unlinkat(blobs_.number(), BlobPath(sha256).c_str(), 0) != 0 &&
       errno != ENOENT) {
     return FileError(errno, "cannot remove a blob");
   }
+  space_.GiveBack(size);
   return absl::OkStatus();
 }
 

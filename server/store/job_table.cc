@@ -17,7 +17,7 @@ constexpr char kList[] = "jobs";
 #define CCST_JOB_COLUMNS_                                                                 \
   "jobs.id, jobs.owner, request_id, display_name, jobs.mesh_sha256, texture_sha256, "     \
   "spec_digest, definition, state, jobs.create_time, start_time, end_time, expire_time, " \
-  "outcome, samples_sha256, reusable, cached"
+  "outcome, samples_sha256, reusable, cached, definition_sha256"
 
 std::optional<JobRecord> FirstOf(std::vector<JobRecord> jobs) {
   if (jobs.empty()) return std::nullopt;
@@ -36,7 +36,7 @@ absl::StatusOr<JobRecord> JobTable::Add(const JobRecord& job) {
   }
   CCST_RETURN_IF_ERROR(database_
                            .Cached("INSERT INTO jobs VALUES "
-                                   "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+                                   "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
                            .Bind(job.id)
                            .Bind(job.owner)
                            .Bind(job.request_id)
@@ -54,6 +54,7 @@ absl::StatusOr<JobRecord> JobTable::Add(const JobRecord& job) {
                            .Bind(job.samples_sha256)
                            .Bind(job.reusable)
                            .Bind(job.cached)
+                           .Bind(Sha256Of(job.definition))
                            .Run());
   for (const auto& [name, value] : job.labels) {
     CCST_RETURN_IF_ERROR(database_.Cached("INSERT INTO job_labels VALUES (?, ?, ?, ?, ?, ?)")
@@ -229,6 +230,9 @@ absl::StatusOr<std::vector<JobRecord>> JobTable::ReadAll(Statement& statement) {
                     .samples_sha256 = statement.String(14),
                     .reusable = statement.Int(15) != 0,
                     .cached = statement.Int(16) != 0});
+    // As histories: SQLite's own check does not see what is inside.
+    const std::string sha256 = statement.String(17);
+    jobs.back().damaged = !sha256.empty() && sha256 != Sha256Of(jobs.back().definition);
   }
   CCST_RETURN_IF_ERROR(statement.status());
   for (JobRecord& job : jobs) CCST_RETURN_IF_ERROR(ReadLabels(job));

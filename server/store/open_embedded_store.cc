@@ -82,7 +82,8 @@ absl::Status RemoveUnreferencedBlobs(Store& store) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::unique_ptr<Store>> OpenIn(const std::string& path) {
+absl::StatusOr<std::unique_ptr<Store>> OpenIn(const std::string& path,
+                                              std::int64_t max_blob_bytes) {
   FileDescriptor directory;
   CCST_ASSIGN_OR_RETURN(directory, OpenDirectory(path));
   FileDescriptor lock;
@@ -90,7 +91,7 @@ absl::StatusOr<std::unique_ptr<Store>> OpenIn(const std::string& path) {
   std::unique_ptr<Database> database;
   CCST_ASSIGN_OR_RETURN(database, OpenRecords(directory, path));
   std::unique_ptr<FileBlobs> blobs;
-  CCST_ASSIGN_OR_RETURN(blobs, FileBlobs::Open(directory));
+  CCST_ASSIGN_OR_RETURN(blobs, FileBlobs::Open(directory, max_blob_bytes));
   auto store =
       std::make_unique<EmbeddedStore>(std::move(lock), std::move(blobs), std::move(database));
   CCST_RETURN_IF_ERROR(RemoveUnreferencedBlobs(*store));
@@ -99,8 +100,9 @@ absl::StatusOr<std::unique_ptr<Store>> OpenIn(const std::string& path) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<Store>> OpenEmbeddedStore(const std::string& directory) {
-  absl::StatusOr<std::unique_ptr<Store>> store = OpenIn(directory);
+absl::StatusOr<std::unique_ptr<Store>> OpenEmbeddedStore(const std::string& directory,
+                                                         std::int64_t max_blob_bytes) {
+  absl::StatusOr<std::unique_ptr<Store>> store = OpenIn(directory, max_blob_bytes);
   if (store.ok()) return store;
   return MakeError(store.status().code(),
                    GetErrorReason(store.status()).value_or(ErrorReason::kStorageFailed),

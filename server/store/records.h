@@ -48,6 +48,7 @@ struct JobRecord {
   std::string samples_sha256;             ///< The blob with the samples; empty: none.
   bool reusable = false;                  ///< The result may answer an equal spec.
   bool cached = false;                    ///< The result was taken from an equal spec.
+  bool damaged = false;                   ///< When read: `definition` is not what was stored.
 };
 
 /// Which jobs to list. An empty field keeps all.

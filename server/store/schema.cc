@@ -75,11 +75,15 @@ CREATE TABLE job_histories (
 );
 )sql";
 
+// Empty for jobs of before, which are not checked.
+constexpr char kVersion2[] =
+    "ALTER TABLE jobs ADD COLUMN definition_sha256 TEXT NOT NULL DEFAULT ''";
+
 }  // namespace
 
 std::span<const std::string> SchemaMigrations() {
-  static const std::string* const kScripts = new std::string[]{kVersion1};
-  return {kScripts, 1};
+  static const std::string* const kScripts = new std::string[]{kVersion1, kVersion2};
+  return {kScripts, 2};
 }
 
 absl::Status MigrateSchema(Database& database, std::span<const std::string> migrations) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -81,9 +82,11 @@ class Store {
 };
 
 /// Opens, or makes, the embedded store in `directory`: SQLite for records, files for blobs. Blobs
-/// that nothing refers to are removed.
+/// that nothing refers to are removed. All blobs together may have `max_blob_bytes`.
 /// @errors FAILED_PRECONDITION STORAGE_FAILED when another process has it open or a newer version
 ///         wrote it | INTERNAL STORAGE_FAILED when it cannot be made, read or written; says why
-absl::StatusOr<std::unique_ptr<Store>> OpenEmbeddedStore(const std::string& directory);
+absl::StatusOr<std::unique_ptr<Store>> OpenEmbeddedStore(
+    const std::string& directory,
+    std::int64_t max_blob_bytes = std::numeric_limits<std::int64_t>::max());
 
 }  // namespace ccst::server

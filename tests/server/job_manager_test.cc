@@ -1,25 +1,44 @@
 // Jobs over a real store: what survives, what is reused, what is dropped.
 #include "server/jobs/job_manager.h"
 
+#include <cstdint>
+#include <limits>
+#include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
 #include "core/base/status.h"
 #include "server/rpc/job_codec.h"
+#include "server/store/sqlite.h"
 #include "tests/server/fakes.h"
 #include "tests/server/temp_folder.h"
 
 namespace ccst::server {
 namespace {
 
+class CountingJobObserver final : public JobObserver {
+ public:
+  void OnPhase(std::string_view /*phase*/, double /*seconds*/) override {}
+  void OnAlternation() override {}
+  void OnEnd(std::string_view /*state*/, double /*seconds*/) override {}
+  void OnCancel(std::string_view reason) override { ++cancels[std::string(reason)]; }
+  void OnCacheLookup(std::string_view /*cache*/, bool hit) override { ++(hit ? hits : misses); }
+
+  // Told on the thread that asks.
+  std::map<std::string, int> cancels;
+  int hits = 0;
+  int misses = 0;
+};
+
 class JobManagerTest : public testing::Test {
  protected:
   // Opens the store anew, as another process would, with `sample` as the sampler.
   void Start(SampleFunction sample, JobManagerOptions options = {}) {
     Stop();
-    store_ = *OpenEmbeddedStore(folder_.Path("data"));
+    store_ = *OpenEmbeddedStore(folder_.Path("data"), max_blob_bytes_);
     pins_ = std::make_unique<BlobPins>(*store_);
     RunDependencies run = FakeDependencies(std::move(sample));
     run.clock.now = [this] { return now_; };
@@ -27,9 +46,12 @@ class JobManagerTest : public testing::Test {
                    const MeshLimits&) -> absl::StatusOr<MeshCounts> {
       return MeshCounts{.vertices = 10, .faces = 20};
     };
-    jobs_ = *JobManager::Start(
-        *store_, *pins_, options,
-        {.run = std::move(run), .codec = ProtoJobCodec(), .new_id = ids_, .observer = &observer_});
+    jobs_ = *JobManager::Start(*store_, *pins_, options,
+                               {.run = std::move(run),
+                                .codec = ProtoJobCodec(),
+                                .new_id = ids_,
+                                .observer = &observer_,
+                                .budget = budget_});
   }
   void Stop() {
     jobs_ = nullptr;
@@ -56,12 +78,14 @@ class JobManagerTest : public testing::Test {
     return (*jobs_->Find("", id))->View();
   }
 
+  std::int64_t max_blob_bytes_ = std::numeric_limits<std::int64_t>::max();
   Gate started_;
   Gate never_;
   TempFolder folder_;
   absl::Time now_ = absl::FromUnixSeconds(1'700'000'000);
   std::function<std::string()> ids_ = CountingIds();
-  SilentJobObserver observer_;
+  CountingJobObserver observer_;
+  std::shared_ptr<MemoryBudget> budget_;  // Null: the manager's own.
   std::unique_ptr<Store> store_;
   std::unique_ptr<BlobPins> pins_;
   std::unique_ptr<JobManager> jobs_;
@@ -118,6 +142,149 @@ TEST_F(JobManagerTest, CancelledJobsStayCancelled) {
   Start(QuickSampler());
   EXPECT_EQ(Finish(running->id()).state, JobState::kCancelled);
   EXPECT_EQ(Finish(waiting->id()).state, JobState::kCancelled);
+}
+
+TEST_F(JobManagerTest, CancelIsStoredBeforeTheRunLearnsOfIt) {
+  JobState stored = JobState::kQueued;
+  std::string id;
+  Start([&](const TriangleMesh&, const SamplingOptions&,
+            const RunControl& run) -> absl::StatusOr<SamplingResult> {
+    started_.Open();
+    EXPECT_FALSE(never_.WaitOrStop(run.stop));
+    stored = (*store_->GetJob(id))->state;
+    return absl::CancelledError("stopped");
+  });
+  const auto job = Create(Spec());
+  id = job->id();
+  started_.Wait();
+  ASSERT_TRUE(jobs_->Cancel(job, StopCause::kCaller).ok());
+  EXPECT_EQ(Finish(id).state, JobState::kCancelled);
+  EXPECT_EQ(stored, JobState::kCancelling);
+}
+
+TEST_F(JobManagerTest, CancelledBeforeACrashIsNotRunAgain) {
+  Start(GatedSampler(started_, never_));
+  const std::string id = Create(Spec())->id();
+  started_.Wait();
+  Stop();
+  // What a crash leaves of a job whose cancel was answered with CANCELLING.
+  ASSERT_TRUE((*OpenEmbeddedStore(folder_.Path("data")))->MarkCancelling(id).ok());
+  Start(QuickSampler());
+  EXPECT_EQ(Finish(id).state, JobState::kCancelled);
+}
+
+TEST_F(JobManagerTest, RunThatIsWholeBeforeItSeesTheCancelSucceedsForGood) {
+  Gate cancelled;
+  Start([&](const TriangleMesh&, const SamplingOptions& options,
+            const RunControl&) -> absl::StatusOr<SamplingResult> {
+    started_.Open();
+    cancelled.Wait();
+    return MakeResult(options.sample_count);
+  });
+  const auto job = Create(Spec());
+  started_.Wait();
+  ASSERT_TRUE(jobs_->Cancel(job, StopCause::kCaller).ok());
+  EXPECT_EQ(job->View().state, JobState::kCancelling);
+  cancelled.Open();
+  EXPECT_EQ(Finish(job->id()).state, JobState::kSucceeded);
+  Start(QuickSampler());
+  EXPECT_EQ(Finish(job->id()).state, JobState::kSucceeded);
+}
+
+TEST_F(JobManagerTest, CancelOfAJobThatADrainStopsIsForGood) {
+  Start(GatedSampler(started_, never_));
+  const auto running = Create(Spec(1));
+  started_.Wait();
+  const auto waiting = Create(Spec(2));
+  jobs_->StartDraining();
+  EXPECT_TRUE(IsPutBack(waiting->spec(), waiting->View()));
+  EXPECT_FALSE(IsPutBack(running->spec(), running->View()));
+  ASSERT_TRUE(jobs_->Cancel(waiting, StopCause::kCaller).ok());
+  EXPECT_FALSE(IsPutBack(waiting->spec(), waiting->View()));
+  jobs_->StopAll();
+  ASSERT_TRUE(jobs_->WaitUntilIdle(absl::InfiniteDuration()));
+  EXPECT_TRUE(IsPutBack(running->spec(), running->View()));
+  // Whoever still holds it may cancel it, too.
+  ASSERT_TRUE(jobs_->Cancel(running, StopCause::kCaller).ok());
+  Start(QuickSampler());
+  EXPECT_EQ(Finish(waiting->id()).state, JobState::kCancelled);
+  EXPECT_EQ(Finish(running->id()).state, JobState::kCancelled);
+}
+
+TEST_F(JobManagerTest, DamagedJobFailsAndOthersRun) {
+  Start(GatedSampler(started_, never_));
+  const std::string damaged = Create(Spec(1))->id();
+  const std::string whole = Create(Spec(2))->id();
+  started_.Wait();
+  Stop();
+  {
+    const auto database = *Database::Open(folder_.Path("data") + "/records.sqlite");
+    ASSERT_TRUE(database
+                    ->RunScript("UPDATE jobs SET definition = CAST('x' AS BLOB) WHERE id = '" +
+                                damaged + "'")
+                    .ok());
+  }
+  Start(QuickSampler());
+  EXPECT_EQ(Finish(whole).state, JobState::kSucceeded);
+  EXPECT_EQ(GetErrorReason(jobs_->Find("", damaged).status()), ErrorReason::kStorageFailed);
+  JobFilter filter;
+  filter.states = {JobState::kFailed};
+  const auto failed = *jobs_->List(filter, 10, "");
+  ASSERT_EQ(failed.records.size(), 1U);
+  EXPECT_EQ(failed.records.front().id, damaged);
+  EXPECT_EQ(GetErrorReason(failed.records.front().view.error), ErrorReason::kStorageFailed);
+}
+
+TEST_F(JobManagerTest, JobWhoseSamplesWouldNotFitTheDiskLimitIsRefused) {
+  max_blob_bytes_ = 1000;
+  Start(QuickSampler());
+  JobSpec spec = Spec();
+  spec.options.sample_count = 20;
+  const auto refused = jobs_->Create(spec);
+  EXPECT_TRUE(absl::IsResourceExhausted(refused.status()));
+  EXPECT_EQ(GetErrorReason(refused.status()), ErrorReason::kStorageFull);
+}
+
+TEST_F(JobManagerTest, ObserverIsToldWhoStoppedJobsAndWhatWasReused) {
+  Start(GatedSampler(started_, never_));
+  const auto cancelled = Create(Spec(1));
+  started_.Wait();
+  ASSERT_TRUE(jobs_->Cancel(cancelled, StopCause::kCaller).ok());
+  ASSERT_TRUE(jobs_->Cancel(cancelled, StopCause::kCaller).ok());  // Counts once.
+  Finish(cancelled->id());
+  JobSpec hasty = Spec(2);
+  hasty.abandon_seconds = 0.5;  // The clock of this test moves a second a look.
+  Create(hasty);
+  ASSERT_TRUE(jobs_->Sweep().ok());
+  Create(Spec(3));
+  jobs_->StopAll();
+  EXPECT_EQ(observer_.cancels,
+            (std::map<std::string, int>{{"abandoned", 1}, {"caller", 1}, {"drain", 1}}));
+  Start(QuickSampler());
+  Finish(Create(Spec(4))->id());
+  observer_.hits = observer_.misses = 0;
+  Create(Spec(4));
+  Create(Spec(5));
+  EXPECT_EQ(observer_.hits, 1);
+  EXPECT_EQ(observer_.misses, 1);
+}
+
+TEST_F(JobManagerTest, MemoryAndWatchersAreCountedWhileTheyLast) {
+  const auto budget = std::make_shared<MemoryBudget>(std::int64_t{4} << 30);
+  budget_ = budget;
+  Start(GatedSampler(started_, never_));
+  const auto job = Create(Spec());
+  started_.Wait();
+  EXPECT_GT(jobs_->memory().used_bytes(), 0);
+  const std::int64_t watcher = *jobs_->Watch(
+      *job, [] {}, 0);
+  EXPECT_EQ(jobs_->watcher_count(), 1);
+  jobs_->Unwatch(*job, watcher);
+  EXPECT_EQ(jobs_->watcher_count(), 0);
+  ASSERT_TRUE(jobs_->Cancel(job, StopCause::kCaller).ok());
+  ASSERT_TRUE(jobs_->WaitUntilIdle(absl::InfiniteDuration()));
+  jobs_ = nullptr;  // Whatever still stores the end has let go of it then.
+  EXPECT_EQ(budget->used_bytes(), 0);
 }
 
 TEST_F(JobManagerTest, EqualSpecsShareTheResultButNotTheJob) {

@@ -1,12 +1,15 @@
 #include "server/jobs/job_runner.h"
 
 #include <atomic>
+#include <cstdint>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "core/base/status.h"
 #include "tests/server/fakes.h"
@@ -205,6 +208,39 @@ TEST(JobRunner, StaysWithinItsWorkersAndItsMemory) {
   EXPECT_LE(most.load(), 2);
   EXPECT_EQ(budget->used_bytes(), 0);
   for (const auto& job : all) EXPECT_EQ(job->View().state, JobState::kSucceeded);
+}
+
+TEST(MemoryBudget, TakeWithinWaitsUntilThereIsEnough) {
+  const auto budget = std::make_shared<MemoryBudget>(20);
+  std::shared_ptr<void> first = budget->Take(10);
+  EXPECT_EQ(budget->TakeWithin(absl::ZeroDuration(), 11), nullptr);
+  std::jthread other([&] {
+    const std::shared_ptr<void> second = budget->TakeWithin(absl::Hours(1), 11);
+    EXPECT_EQ(budget->used_bytes(), 11);
+  });
+  first = nullptr;
+  other.join();
+  EXPECT_EQ(budget->used_bytes(), 0);
+}
+
+TEST(MemoryBudget, LargeGrantsAreReturnedToTheSystem) {
+  const auto resident_pages = [] {
+    long size = 0;
+    long resident = 0;
+    std::ifstream("/proc/self/statm") >> size >> resident;
+    return resident;
+  };
+  const auto budget = std::make_shared<MemoryBudget>(std::int64_t{1} << 30);
+  std::shared_ptr<void> grant = budget->Take(std::int64_t{64} << 20);
+  // Small pieces, which the allocator keeps; the last one is in the way of giving back from the
+  // end alone.
+  std::vector<std::unique_ptr<char[]>> pieces;
+  for (int i = 0; i < 64 * 1024; ++i) pieces.push_back(std::make_unique<char[]>(1000));
+  const std::unique_ptr<char[]> last = std::move(pieces.back());
+  const long used = resident_pages();
+  pieces.clear();
+  grant = nullptr;
+  EXPECT_LT(resident_pages(), used - (32 << 20) / sysconf(_SC_PAGESIZE));
 }
 
 }  // namespace

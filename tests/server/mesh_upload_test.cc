@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <optional>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -6,6 +7,8 @@
 #include <unistd.h>
 
 #include "core/base/sha256.h"
+#include "core/base/status.h"
+#include "server/rpc/upload_slots.h"
 #include "tests/server/mesh_service_fixture.h"
 
 namespace ccst::server {
@@ -229,6 +232,43 @@ TEST_F(UploadMesh, UploadsOverTheirNumberAreRefused) {
   const auto reply = Upload(SphereBytes());
   ExpectStatus(reply.status, grpc::StatusCode::RESOURCE_EXHAUSTED, "QUEUE_FULL");
   EXPECT_TRUE(DetailOf<v1::RetryAdvice>(reply.status).has_value());
+}
+
+TEST_F(UploadMesh, UploadsOverTheirNumberOfACallerAreRefused) {
+  options_.max_uploads_per_caller = 0;
+  const auto reply = Upload(SphereBytes());
+  ExpectStatus(reply.status, grpc::StatusCode::RESOURCE_EXHAUSTED, "QUOTA_EXCEEDED");
+  EXPECT_TRUE(DetailOf<v1::RetryAdvice>(reply.status).has_value());
+}
+
+TEST(UploadSlots, OneCallerDoesNotGetAll) {
+  UploadSlots slots(3, 2);
+  std::optional<UploadSlots::Slot> first = *slots.Take("ann");
+  const UploadSlots::Slot second = *slots.Take("ann");
+  EXPECT_EQ(GetErrorReason(slots.Take("ann").status()), ErrorReason::kQuotaExceeded);
+  const UploadSlots::Slot third = *slots.Take("bob");
+  EXPECT_EQ(GetErrorReason(slots.Take("eve").status()), ErrorReason::kQueueFull);
+  first.reset();
+  EXPECT_TRUE(slots.Take("eve").ok());
+  EXPECT_TRUE(slots.Take("ann").ok());
+}
+
+TEST_F(UploadMesh, SenderThatTricklesIsEnded) {
+  options_.max_idle = absl::Milliseconds(20);
+  options_.min_bytes_per_second = 1e9;
+  v1::UploadMeshResponse response;
+  const auto context = As("ann");
+  const auto writer = stub().UploadMesh(context.get(), &response);
+  const std::string bytes(10'000'000, 'x');
+  ASSERT_TRUE(writer->Write(HeaderMessage(bytes)));
+  // Never idle, never fast.
+  for (std::int64_t sent = 0; writer->Write(ChunkMessage(sent, "x")); ++sent) {
+  }
+  const grpc::Status status = writer->Finish();
+  ExpectStatus(status, grpc::StatusCode::CANCELLED, "CANCELLED");
+  EXPECT_THAT(status.error_message(), HasSubstr("too few"));
+  WaitForCalls(1);
+  EXPECT_EQ(FileCount(), 0u);
 }
 
 TEST_F(UploadMesh, EndedUploadMakesRoomForAnother) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <random>
+#include <stop_token>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -119,6 +120,16 @@ TEST(Distances, EqualPointsAreAtDistanceZero) {
   EXPECT_EQ(figures.closest.distance, 0.0);
   EXPECT_GE(figures.closest.first, 0);
   EXPECT_EQ(figures.mean_nearest_distance, 0.0);
+}
+
+TEST(Distances, StopEndsTheSearchForTheClosestPair) {
+  const std::vector<Eigen::Vector3d> points = {{0, 0, 0}, {1, 0, 0}, {1.5, 0, 0}};
+  Interrupt never;
+  EXPECT_EQ(FindClosestSameSide(points, {}, {}, &never).distance, 0.5);
+  std::stop_source stop;
+  stop.request_stop();
+  Interrupt interrupt(stop.get_token());
+  EXPECT_EQ(FindClosestSameSide(points, {}, {}, &interrupt).first, -1);
 }
 
 TEST(Distances, FewerThanTwoPointsHaveNoPair) {

@@ -87,7 +87,7 @@ struct DensityStart {
     Interrupt never;
     std::int64_t smallest = 0;
     plan = *MakePlan(surface, density, {}, count, 1, &smallest);
-    samples = DrawInitialPoints(surface, density, plan, 1);
+    samples = *DrawInitialPoints(surface, density, plan, 1, &never);
     mesh = *BuildInitialMesh(surface, plan, samples, &never);
   }
 };

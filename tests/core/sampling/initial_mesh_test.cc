@@ -115,7 +115,8 @@ TEST(BuildInitialMesh, StopGivesCancelled) {
   const Surface surface = *Surface::Build(shapes::Icosphere(4));
   std::int64_t smallest = 0;
   const Plan plan = *MakePlan(surface, Density::Uniform(surface), {}, 20000, 0, &smallest);
-  const Samples samples = DrawInitialPoints(surface, Density::Uniform(surface), plan, 0);
+  Interrupt never;
+  const Samples samples = *DrawInitialPoints(surface, Density::Uniform(surface), plan, 0, &never);
   std::stop_source stop;
   stop.request_stop();
   Interrupt interrupt(stop.get_token());

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <set>
+#include <stop_token>
 #include <utility>
 #include <vector>
 
@@ -24,7 +25,8 @@ Drawn Draw(const TriangleMesh& mesh, std::int64_t count, std::uint64_t seed) {
   Surface surface = *Surface::Build(mesh);
   std::int64_t smallest = 0;
   Plan plan = *MakePlan(surface, Density::Uniform(surface), {}, count, seed, &smallest);
-  Samples samples = DrawInitialPoints(surface, Density::Uniform(surface), plan, seed);
+  Interrupt never;
+  Samples samples = *DrawInitialPoints(surface, Density::Uniform(surface), plan, seed, &never);
   return {std::move(surface), std::move(plan), std::move(samples)};
 }
 
@@ -109,9 +111,23 @@ TEST(DrawInitialPoints, FacesWithoutAreaAreFine) {
   const absl::StatusOr<Plan> plan =
       MakePlan(*surface, Density::Uniform(*surface), {}, 300, 0, &smallest);
   ASSERT_TRUE(plan.ok()) << plan.status();
-  const Samples samples = DrawInitialPoints(*surface, Density::Uniform(*surface), *plan, 0);
+  Interrupt never;
+  const Samples samples =
+      *DrawInitialPoints(*surface, Density::Uniform(*surface), *plan, 0, &never);
   EXPECT_EQ(samples.count(), 300);
   for (const Eigen::Vector3d& p : samples.position) EXPECT_TRUE(p.allFinite());
+}
+
+TEST(DrawInitialPoints, StopGivesCancelled) {
+  const Surface surface = *Surface::Build(shapes::Icosphere(2));
+  std::int64_t smallest = 0;
+  const Plan plan = *MakePlan(surface, Density::Uniform(surface), {}, 100, 0, &smallest);
+  std::stop_source stop;
+  stop.request_stop();
+  Interrupt interrupt(stop.get_token());
+  EXPECT_EQ(
+      DrawInitialPoints(surface, Density::Uniform(surface), plan, 0, &interrupt).status().code(),
+      absl::StatusCode::kCancelled);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stop_token>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -45,17 +46,40 @@ TEST(ProgressiveOrder, IsAPermutation) {
   for (int i = 0; i < 500; ++i) positions.emplace_back(i % 25, i / 25, 0.0);
   positions.push_back(positions.front());  // Two at one place.
   const std::vector<Eigen::Vector3d> normals(positions.size(), Eigen::Vector3d::UnitZ());
-  std::vector<std::int32_t> order = ProgressiveOrder(positions, normals, {}, 1.07, 5);
+  Interrupt never;
+  std::vector<std::int32_t> order = ProgressiveOrder(positions, normals, {}, 1.07, 5, &never);
   ASSERT_EQ(order.size(), positions.size());
   std::sort(order.begin(), order.end());
   for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], static_cast<std::int32_t>(i));
 }
 
+// More than are sorted in one go.
+TEST(ProgressiveOrder, ManyPointsAreAPermutationToo) {
+  std::vector<Eigen::Vector3d> positions;
+  for (int i = 0; i < 300'000; ++i) positions.emplace_back(i % 500, i / 500, 0.0);
+  const std::vector<Eigen::Vector3d> normals(positions.size(), Eigen::Vector3d::UnitZ());
+  Interrupt never;
+  std::vector<std::int32_t> order = ProgressiveOrder(positions, normals, {}, 1.07, 5, &never);
+  ASSERT_EQ(order.size(), positions.size());
+  std::sort(order.begin(), order.end());
+  for (std::size_t i = 0; i < order.size(); ++i) ASSERT_EQ(order[i], static_cast<std::int32_t>(i));
+}
+
+TEST(ProgressiveOrder, StopLeavesItUnfinished) {
+  const std::vector<Eigen::Vector3d> positions(100, Eigen::Vector3d::Zero());
+  const std::vector<Eigen::Vector3d> normals(100, Eigen::Vector3d::UnitZ());
+  std::stop_source stop;
+  stop.request_stop();
+  Interrupt interrupt(stop.get_token());
+  EXPECT_LT(ProgressiveOrder(positions, normals, {}, 1.0, 0, &interrupt).size(), 100u);
+}
+
 TEST(ProgressiveOrder, FewPointsAreAPermutationToo) {
+  Interrupt never;
   for (std::size_t n = 1; n < 6; ++n) {
     const std::vector<Eigen::Vector3d> positions(n, Eigen::Vector3d::Zero());
     const std::vector<Eigen::Vector3d> normals(n, Eigen::Vector3d::UnitZ());
-    EXPECT_EQ(ProgressiveOrder(positions, normals, {}, 1.0, 0).size(), n);
+    EXPECT_EQ(ProgressiveOrder(positions, normals, {}, 1.0, 0, &never).size(), n);
   }
 }
 

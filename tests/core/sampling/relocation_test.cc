@@ -1,6 +1,7 @@
 #include "core/sampling/relocation.h"
 
 #include <algorithm>
+#include <stop_token>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -79,8 +80,9 @@ TEST(Relocate, KeepsCountsTopologyAndHosts) {
     Projection projection(&start.surface, 0.5 * start.plan.spacing);
     EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
     const std::vector<Defect> defects = Find(start, kLimits);
+    Interrupt never;
     const std::int64_t moved = Relocate(defects, {}, start.surface, &projection, &geometry, &flips,
-                                        &start.mesh, &start.samples);
+                                        &never, &start.mesh, &start.samples);
     EXPECT_GT(moved, 0);
     EXPECT_LE(moved, static_cast<std::int64_t>(defects.size()));
     EXPECT_EQ(start.samples.count(), 900);
@@ -123,8 +125,9 @@ TEST(Relocate, UncoveredPlaceGetsASample) {
   const std::vector<Eigen::Vector3d>& p = start.surface.positions();
   const auto vertex =
       static_cast<std::int32_t>(std::min_element(p.begin(), p.end(), nearer) - p.begin());
+  Interrupt never;
   EXPECT_EQ(Relocate({}, {{vertex, largest, 1.0}}, start.surface, &projection, &geometry, &flips,
-                     &start.mesh, &start.samples),
+                     &never, &start.mesh, &start.samples),
             1);
   EXPECT_EQ(std::count(start.samples.position.begin(), start.samples.position.end(), p[vertex]), 1);
   EXPECT_TRUE(sampling_test::Topology(start.mesh).IsManifold());
@@ -137,10 +140,28 @@ TEST(Relocate, NothingToDoChangesNothing) {
   Projection projection(&start.surface, 0.5 * start.plan.spacing);
   EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
   const std::vector<std::int32_t> before = start.mesh.origin;
-  EXPECT_EQ(
-      Relocate({}, {}, start.surface, &projection, &geometry, &flips, &start.mesh, &start.samples),
-      0);
+  Interrupt never;
+  EXPECT_EQ(Relocate({}, {}, start.surface, &projection, &geometry, &flips, &never, &start.mesh,
+                     &start.samples),
+            0);
   EXPECT_EQ(start.mesh.origin, before);
+}
+
+TEST(Relocate, StopLeavesEverySampleWhereItIs) {
+  Start start = *MakeStart(shapes::Torus(1, 0.35, 60, 24), 900, 1);
+  GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
+                         &start.samples);
+  Projection projection(&start.surface, 0.5 * start.plan.spacing);
+  EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
+  const std::vector<Defect> defects = Find(start, kLimits);
+  ASSERT_FALSE(defects.empty());
+  std::stop_source stop;
+  stop.request_stop();
+  Interrupt interrupt(stop.get_token());
+  EXPECT_EQ(Relocate(defects, {}, start.surface, &projection, &geometry, &flips, &interrupt,
+                     &start.mesh, &start.samples),
+            0);
+  EXPECT_TRUE(sampling_test::Topology(start.mesh).IsManifold());
 }
 
 }  // namespace

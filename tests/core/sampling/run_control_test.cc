@@ -1,5 +1,6 @@
 #include "core/sampling/run_control.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -52,6 +53,14 @@ class Recorder : public ProgressSink {
 
 const std::vector<Phase> kAllPhases = {Phase::kPreparing, Phase::kInitializing, Phase::kRelaxing,
                                        Phase::kFinalizing};
+
+std::vector<Eigen::Vector3d> Sorted(std::vector<Eigen::Vector3d> positions) {
+  std::sort(positions.begin(), positions.end(),
+            [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+              return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+            });
+  return positions;
+}
 
 SamplingOptions Options(std::int64_t count) {
   SamplingOptions options;
@@ -167,34 +176,43 @@ TEST(RunControl, StoppedEarlyIsTheIterateThatWasReported) {
   const SamplingResult limited = *SampleSurface(mesh, five);
   EXPECT_EQ(limited.termination, Termination::kIterationLimit);
   // The samples of the whole run are in an order of their own.
-  const auto sorted = [](std::vector<Eigen::Vector3d> positions) {
-    std::sort(positions.begin(), positions.end(),
-              [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-                return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
-              });
-    return positions;
-  };
-  EXPECT_EQ(sorted(stopped.samples.positions), sorted(limited.samples.positions));
+  EXPECT_EQ(Sorted(stopped.samples.positions), Sorted(limited.samples.positions));
   EXPECT_EQ(stopped.samples.triangles.size(), limited.samples.triangles.size());
   for (std::size_t i = 0; i < recorder.positions.size(); ++i) {
     EXPECT_LT((recorder.positions[i] - stopped.samples.positions[i]).norm(), 1e-12);
   }
 }
 
-TEST(RunControl, StopAfterTheEndChangesNothing) {
+TEST(RunControl, StopWhileFinalizingReturnsTheSamplesInAnyOrder) {
   const TriangleMesh mesh = shapes::Icosphere(3);
+  for (const SamplingMethod method : {SamplingMethod::kCcst, SamplingMethod::kLloyd}) {
+    std::stop_source stop;
+    Recorder recorder;
+    recorder.on_phase = [&](Phase phase) {
+      if (phase == Phase::kFinalizing) stop.request_stop();
+    };
+    SamplingOptions options = Options(300);
+    options.method = method;
+    const SamplingResult late =
+        *SampleSurface(mesh, options, {.stop = stop.get_token(), .progress = &recorder});
+    EXPECT_EQ(late.termination, Termination::kStopped);
+    EXPECT_EQ(late.relative_radius, 0.0);
+    const SamplingResult whole = *SampleSurface(mesh, options);
+    EXPECT_NE(whole.termination, Termination::kStopped);
+    EXPECT_EQ(Sorted(late.samples.positions), Sorted(whole.samples.positions));
+    EXPECT_NE(late.samples.positions, whole.samples.positions);
+  }
+}
+
+TEST(RunControl, TokenIsSticky) {
   std::stop_source stop;
   Recorder recorder;
   recorder.on_phase = [&](Phase phase) {
     if (phase == Phase::kFinalizing) stop.request_stop();
   };
-  const SamplingResult late =
-      *SampleSurface(mesh, Options(300), {.stop = stop.get_token(), .progress = &recorder});
-  EXPECT_EQ(FindDifference(late, *SampleSurface(mesh, Options(300))), "");
-  // The token is sticky: the next run with it does not start.
-  EXPECT_EQ(SampleSurface(mesh, Options(300), {.stop = stop.get_token(), .progress = nullptr})
-                .status()
-                .code(),
+  const RunControl run = {.stop = stop.get_token(), .progress = &recorder};
+  EXPECT_TRUE(SampleSurface(shapes::Icosphere(3), Options(300), run).ok());
+  EXPECT_EQ(SampleSurface(shapes::Icosphere(3), Options(300), run).status().code(),
             absl::StatusCode::kCancelled);
 }
 

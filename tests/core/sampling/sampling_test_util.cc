@@ -34,7 +34,7 @@ absl::StatusOr<Start> MakeStart(const TriangleMesh& mesh, std::int64_t count, st
   std::int64_t smallest = 0;
   Density density = Density::Uniform(surface);
   CCST_ASSIGN_OR_RETURN(Plan plan, MakePlan(surface, density, {}, count, seed, &smallest));
-  Samples samples = DrawInitialPoints(surface, density, plan, seed);
+  CCST_ASSIGN_OR_RETURN(Samples samples, DrawInitialPoints(surface, density, plan, seed, &never));
   CCST_ASSIGN_OR_RETURN(SampleMesh triangulation, BuildInitialMesh(surface, plan, samples, &never));
   return Start{std::move(surface), std::move(density), std::move(plan), std::move(samples),
                std::move(triangulation)};

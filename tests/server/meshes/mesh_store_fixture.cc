@@ -11,6 +11,7 @@ namespace ccst::server {
 
 MeshStoreTest::MeshStoreTest()
     : dependencies_{.decode = DecodeDraco,
+                    .take_memory = nullptr,
                     .measure = MeasureMesh,
                     .encode_facts =
                         [this](const MeshFacts& facts) {

@@ -17,6 +17,7 @@ class MeshStoreTest : public StoreTest {
 
   /// Of new stores.
   MeshStoreOptions options_;
+  MeshDependencies dependencies_;
   void AcceptAnyBytes();
   MeshStore& meshes();
 
@@ -30,7 +31,6 @@ class MeshStoreTest : public StoreTest {
   absl::Time now_ = At(0);
 
  private:
-  MeshDependencies dependencies_;
   std::mutex facts_mutex_;        // Uploads come on several threads.
   std::vector<MeshFacts> facts_;  // What encoded facts number.
   std::vector<JobRecord> jobs_;

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/status.h"
 #include "tests/server/meshes/mesh_store_fixture.h"
 
 namespace ccst::server {
@@ -81,6 +82,7 @@ TEST_F(MeshStores, BytesOfAnotherOwnerStayWhenTheyAreRefusedHere) {
       {.decode = [](std::span<const char>, const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
          throw std::runtime_error("broken");
        },
+       .take_memory = {},
        .measure = {},
        .encode_facts = {},
        .decode_facts = {},
@@ -226,6 +228,32 @@ TEST_F(MeshStores, MeshesOutliveARestart) {
   Reopen();
   EXPECT_EQ(FileCount(), 1u);
   EXPECT_TRUE(store_->GetMesh("ann", sha256)->has_value());
+}
+
+TEST_F(MeshStores, MemoryIsHeldWhileAMeshIsDecodedAndMeasured) {
+  const auto memory = std::make_shared<int>();
+  std::vector<long> users;  // Of the memory, ours included.
+  dependencies_.take_memory =
+      [&](std::span<const char> bytes) -> absl::StatusOr<std::shared_ptr<void>> {
+    EXPECT_EQ(std::string(bytes.begin(), bytes.end()), CubeBytes());
+    return memory;
+  };
+  dependencies_.measure = [&](const TriangleMesh& mesh) {
+    users.push_back(memory.use_count());
+    return MeasureMesh(mesh);
+  };
+  ASSERT_TRUE(Upload("ann", CubeBytes()).ok());
+  EXPECT_THAT(users, ElementsAre(2));
+  EXPECT_EQ(memory.use_count(), 1);
+}
+
+TEST_F(MeshStores, MeshForWhichThereIsNoMemoryIsRefusedAndNothingStays) {
+  dependencies_.take_memory = [](std::span<const char>) -> absl::StatusOr<std::shared_ptr<void>> {
+    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQueueFull, "later");
+  };
+  ExpectError(Upload("ann", CubeBytes()).status(), absl::StatusCode::kResourceExhausted,
+              "QUEUE_FULL");
+  EXPECT_EQ(FileCount(), 0U);
 }
 
 }  // namespace

@@ -127,6 +127,46 @@ TEST_F(Blobs, ReferredOnesAreKeptAtOpenAndOthersRemoved) {
   EXPECT_THAT(*store_->blobs().List(), UnorderedElementsAre(mesh, texture, samples, lone_mesh));
 }
 
+TEST_F(Blobs, AllTogetherHaveNoMoreThanTheLimit) {
+  store_ = nullptr;
+  store_ = *OpenEmbeddedStore(directory_, 100);
+  const std::string first = *PutWhole(store_->blobs(), std::string(60, 'a'));
+  ExpectError(PutWhole(store_->blobs(), std::string(41, 'b')).status(),
+              absl::StatusCode::kResourceExhausted, "STORAGE_FULL");
+  ExpectError(store_->blobs().CheckRoom(41), absl::StatusCode::kResourceExhausted, "STORAGE_FULL");
+  EXPECT_TRUE(store_->blobs().CheckRoom(40).ok());
+  // Neither the same bytes again nor one that is given up counts.
+  EXPECT_TRUE(PutWhole(store_->blobs(), std::string(40, 'c')).ok());
+  ASSERT_TRUE(store_->blobs().Remove(Digest(std::string(40, 'c'))).ok());
+  {
+    const auto given_up = *store_->blobs().NewBlob();
+    ASSERT_TRUE(given_up->Append(std::string(40, 'd')).ok());
+    EXPECT_FALSE(store_->blobs().CheckRoom(1).ok());
+  }
+  EXPECT_TRUE(store_->blobs().CheckRoom(40).ok());
+  ASSERT_TRUE(store_->blobs().Remove(first).ok());
+  EXPECT_TRUE(PutWhole(store_->blobs(), std::string(100, 'e')).ok());
+  EXPECT_FALSE(store_->blobs().CheckRoom(1).ok());
+}
+
+TEST_F(Blobs, SameBytesTwiceTakeTheirSpaceOnce) {
+  store_ = nullptr;
+  store_ = *OpenEmbeddedStore(directory_, 100);
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(PutWhole(store_->blobs(), std::string(50, 'a')).ok());
+  EXPECT_TRUE(store_->blobs().CheckRoom(50).ok());
+}
+
+TEST_F(Blobs, ThoseOfBeforeCountTowardsTheLimit) {
+  const std::string kept = *PutWhole(store_->blobs(), std::string(60, 'a'));
+  MeshRecord mesh = SomeMesh("ann", "x");
+  mesh.sha256 = kept;
+  ASSERT_TRUE(store_->PutMesh(mesh).ok());
+  store_ = nullptr;
+  store_ = *OpenEmbeddedStore(directory_, 50);  // Has become smaller, which loses nothing.
+  EXPECT_EQ(*ReadWhole(store_->blobs(), kept), std::string(60, 'a'));
+  EXPECT_FALSE(store_->blobs().CheckRoom(1).ok());
+}
+
 TEST_F(Blobs, UnfinishedFilesOfACrashAreRemovedAtOpen) {
   std::ofstream(directory_ + "/incoming/17") << "half";
   Reopen();

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/store/sqlite.h"
 #include "tests/server/store/store_fixture.h"
 
 namespace ccst::server {
@@ -189,6 +190,36 @@ TEST_F(JobRecords, ReferToMeshTextureAndSamples) {
        {job.mesh_sha256, job.texture_sha256, Ended(job).samples_sha256}) {
     EXPECT_FALSE(*store_->IsReferenced(digest));
   }
+}
+
+TEST_F(JobRecords, DamagedDefinitionIsNoticed) {
+  JobRecord job = SomeJob("a");
+  job.definition = "what was asked for";
+  ASSERT_TRUE(store_->AddJob(job).ok());
+  EXPECT_FALSE((*store_->GetJob("a"))->damaged);
+  store_ = nullptr;
+  {
+    const auto database = *Database::Open(directory_ + "/records.sqlite");
+    ASSERT_TRUE(
+        database->RunScript("UPDATE jobs SET definition = CAST('what was asked foR' AS BLOB)")
+            .ok());
+  }
+  Reopen();
+  EXPECT_TRUE((*store_->GetJob("a"))->damaged);
+  EXPECT_TRUE(store_->UnfinishedJobs()->front().damaged);
+}
+
+TEST_F(JobRecords, DefinitionOfAnEarlierVersionIsNotChecked) {
+  ASSERT_TRUE(store_->AddJob(SomeJob("a")).ok());
+  store_ = nullptr;
+  {
+    const auto database = *Database::Open(directory_ + "/records.sqlite");
+    ASSERT_TRUE(database->RunScript("ALTER TABLE jobs DROP COLUMN definition_sha256").ok());
+    ASSERT_TRUE(database->RunScript("PRAGMA user_version = 1").ok());
+  }
+  Reopen();
+  EXPECT_FALSE((*store_->GetJob("a"))->damaged);
+  ExpectSame(**store_->GetJob("a"), SomeJob("a"));
 }
 
 }  // namespace
