@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/analysis/face_parts.h"
 #include "core/analysis/geodesic_disc.h"
 
 namespace ccst::analysis {
@@ -18,8 +19,6 @@ constexpr std::int64_t kMostCenters = 8000;
 constexpr double kMostFaces = 1e7;
 // Points at which the area is counted, per sample.
 constexpr double kAreaPoints = 4.0;
-// A row of a face's division; bounds it on faces that carry most of the surface.
-constexpr int kMostRows = 1024;
 // Directions are told apart in cells; no ring has more.
 constexpr std::size_t kMostCells = 1u << 16;
 
@@ -35,61 +34,32 @@ struct Content {
   std::vector<std::size_t> start;  // F + 1.
 };
 
-// Divides a face into k^2 equal triangles, as many as it takes for its share of the points, and
-// calls `visit(weights of the centroid)` for each.
-template <typename F>
-void ForEachPart(int rows, F&& visit) {
-  const double step = 1.0 / rows;
-  for (int i = 0; i < rows; ++i) {
-    for (int j = 0; i + j < rows; ++j) {
-      const double u = (i + 1.0 / 3.0) * step;
-      const double v = (j + 1.0 / 3.0) * step;
-      visit(Eigen::Vector3d(u, v, 1.0 - u - v));
-      if (i + j + 1 == rows) continue;
-      const double s = (i + 2.0 / 3.0) * step;
-      const double t = (j + 2.0 / 3.0) * step;
-      visit(Eigen::Vector3d(s, t, 1.0 - s - t));
-    }
-  }
-}
-
 Content Place(const Surface& surface, const Density& density,
               std::span<const SurfacePoint> samples) {
   const auto count = static_cast<double>(samples.size());
   const double per_area = count / surface.area();
-  const double part = surface.area() / (kAreaPoints * count);
+  const FaceParts parts(surface, density, kAreaPoints * count);
   const auto spacing = [&](std::int32_t face, const Eigen::Vector3d& weights) {
     return 1.0 / std::sqrt(per_area * density.At(face, weights, 1.0 / per_area));
   };
-  const auto faces = static_cast<std::size_t>(surface.face_count());
-  std::vector<std::vector<std::int32_t>> on_face(faces);
+  const std::int32_t faces = surface.face_count();
+  std::vector<std::vector<std::int32_t>> on_face(static_cast<std::size_t>(faces));
   for (std::size_t i = 0; i < samples.size(); ++i) {
     on_face[static_cast<std::size_t>(samples[i].face)].push_back(static_cast<std::int32_t>(i));
   }
   Content content;
-  content.start.reserve(faces + 1);
-  for (std::size_t f = 0; f < faces; ++f) {
-    const auto face = static_cast<std::int32_t>(f);
+  content.start.reserve(on_face.size() + 1);
+  content.items.reserve(samples.size() + static_cast<std::size_t>(parts.size()));
+  for (std::int32_t face = 0; face < faces; ++face) {
     content.start.push_back(content.items.size());
-    for (const std::int32_t i : on_face[f]) {
+    for (const std::int32_t i : on_face[static_cast<std::size_t>(face)]) {
       const Eigen::Vector3d& weights = samples[static_cast<std::size_t>(i)].weights;
       content.items.push_back({weights, spacing(face, weights), 0.0, i});
     }
-    const double area = surface.face_areas()[f];
-    if (!(area > 0.0)) continue;
-    // Denser places, where spacings are smaller, have as many points a sample.
-    const double mean = density.face_capacities()[f] / area;
-    const int rows =
-        std::clamp(static_cast<int>(std::ceil(std::sqrt(mean * area / part))), 1, kMostRows);
-    double capacity = 0.0;
-    const std::size_t first = content.items.size();
-    ForEachPart(rows, [&](const Eigen::Vector3d& weights) {
-      const double s = spacing(face, weights);
-      content.items.push_back({weights, s, 1.0 / (s * s), -1});
-      capacity += 1.0 / (s * s);
-    });
-    const double scale = per_area * density.face_capacities()[f] / capacity;
-    for (std::size_t i = first; i < content.items.size(); ++i) content.items[i].samples *= scale;
+    for (std::int64_t k = parts.first(face); k < parts.first(face + 1); ++k) {
+      const Eigen::Vector3d weights = parts.Centroid(face, k);
+      content.items.push_back({weights, spacing(face, weights), per_area * parts.Capacity(k), -1});
+    }
   }
   content.start.push_back(content.items.size());
   return content;
