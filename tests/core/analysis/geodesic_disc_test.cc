@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "tests/support/shapes.h"
