@@ -20,7 +20,7 @@ ROOMS = {
     "core/sampling": ["core/methods", "core/repair", "core/quality"],
     "core/io": ["core/sampling"],
     "proto": [],
-    "proto/convert": ["proto", "core/quality", "core/io"],
+    "proto/convert": ["proto", "core/analysis", "core/io"],
     "server/base": ["core/base"],
     "server/store": ["server/base"],
     "server/meshes": ["core/io", "server/store"],
@@ -33,7 +33,8 @@ ROOMS = {
     "server": ["server/app"],
     "client/lib": ["proto/convert"],
     "client/render": ["core/sampling"],
-    "client/cli": ["client/lib", "client/render", "core/quality", "core/io"],
+    "client/report": ["client/render", "core/analysis"],
+    "client/cli": ["client/lib", "client/report", "core/analysis", "core/io"],
     "client": ["client/cli"],
 }
 
