@@ -15,5 +15,6 @@ ExitCode Run(const WatchCommand& command);
 ExitCode Run(const CancelCommand& command);
 ExitCode Run(const DeleteCommand& command);
 ExitCode Run(const FetchCommand& command);
+ExitCode Run(const AnalyzeCommand& command);
 
 }  // namespace ccst::cli

@@ -34,6 +34,8 @@ void AddChoice(CLI::App& app, const std::string& flag,
       ->default_str(names.front().first);
 }
 
+/// Adds the flags that say what density samples follow; both must outlive the app.
+void AddDensity(CLI::App& app, DensityOptions& density, std::string& texture_path);
 /// Adds --progress.
 void AddProgress(CLI::App& app, ProgressStyle& progress);
 /// Adds --quantization-bits.

@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "client/cli/analyze_flags.h"
 #include "client/cli/exit_code.h"
 #include "client/cli/flag_kinds.h"
 #include "client/cli/job_flags.h"
@@ -27,38 +28,11 @@ const std::vector<std::pair<std::string, SamplingMethod>> kMethods = {
     {"ccst", SamplingMethod::kCcst},           {"white", SamplingMethod::kWhiteNoise},
     {"poisson", SamplingMethod::kPoissonDisk}, {"elimination", SamplingMethod::kSampleElimination},
     {"lloyd", SamplingMethod::kLloyd},         {"ccvt", SamplingMethod::kCcvt}};
-const std::vector<std::pair<std::string, CurvatureMeasure>> kCurvatures = {
-    {"gaussian", CurvatureMeasure::kGaussian},
-    {"mean", CurvatureMeasure::kMean},
-    {"maximum", CurvatureMeasure::kMaximum}};
-// uniform, curvature, attribute:NAME or texture:IMAGE. Throws CLI::ValidationError.
-void ParseDensity(const std::string& text, SampleCommand& command) {
-  const std::size_t colon = text.find(':');
-  const std::string source = text.substr(0, colon);
-  const std::string rest = colon == std::string::npos ? "" : text.substr(colon + 1);
-  DensityOptions& density = command.options.density;
-  command.texture_path.clear();
-  if (text == "uniform") {
-    density.source = DensitySource::kUniform;
-  } else if (text == "curvature") {
-    density.source = DensitySource::kCurvature;
-  } else if (source == "attribute" && !rest.empty()) {
-    density.source = DensitySource::kAttribute;
-    density.attribute = rest;
-  } else if (source == "texture" && !rest.empty()) {
-    density.source = DensitySource::kTexture;
-    command.texture_path = rest;
-  } else {
-    throw CLI::ValidationError("--density", "'" + text +
-                                                "' is none of uniform, curvature, attribute:NAME, "
-                                                "texture:IMAGE");
-  }
-}
-
 // Flags as given, before they are made one command.
 struct Flags {
   SampleCommand sample;
   JobFlags jobs;
+  AnalyzeFlags analyze;
   InfoCommand info;
   ServerAddress server;
   bool local = false;
@@ -97,24 +71,7 @@ CLI::App* AddSample(CLI::App& app, Flags& flags) {
       ->capture_default_str();
   AddChoice(*sub, "--method", kMethods, c.options.method,
             "ccst, or one to compare with: white, poisson, elimination, lloyd, ccvt");
-  sub->add_option_function<std::string>(
-         "--density", [&c](const std::string& text) { ParseDensity(text, c); },
-         "Where more samples belong: uniform, curvature, attribute:NAME of the mesh, or "
-         "texture:IMAGE (.png .jpg), dark places dense")
-      ->type_name("SOURCE")
-      ->default_str("uniform");
-  AddChoice(*sub, "--curvature", kCurvatures, c.options.density.measure,
-            "What a curvature density follows: gaussian, mean or maximum");
-  sub->add_option("--density-exponent", c.options.density.exponent,
-                  "Power of the source that the density is, 0 to 4")
-      ->type_name("E")
-      ->capture_default_str();
-  sub->add_option("--density-contrast", c.options.density.max_contrast,
-                  "Largest density over smallest; smaller ones are raised")
-      ->type_name("C")
-      ->capture_default_str();
-  sub->add_flag("--bright-is-dense", c.options.density.bright_is_dense,
-                "Bright places of the image get more samples, not dark ones");
+  AddDensity(*sub, c.options.density, c.texture_path);
   sub->add_option("--crease-angle", flags.crease_angle,
                   "Keep samples on edges at which the faces turn by more than this")
       ->type_name("DEGREES")
@@ -160,6 +117,7 @@ CLI::App* AddInfo(CLI::App& app, Flags& flags) {
 
 void SetServer(const ServerAddress& server, ServerAddress& command) { command = server; }
 void SetServer(const ServerAddress& /*server*/, Done& /*command*/) {}
+void SetServer(const ServerAddress& /*server*/, AnalyzeCommand& /*command*/) {}
 
 // Throws CLI::ValidationError.
 void CheckSample(const Flags& flags) {
@@ -231,6 +189,7 @@ Command ParseCommandLine(int argc, const char* const* argv, const char* environm
   const CLI::App* sample = AddSample(app, flags);
   const CLI::App* info = AddInfo(app, flags);
   AddJobCommands(app, flags.server, flags.jobs);
+  AddAnalyzeCommands(app, flags.analyze);
   Command command;
   try {
     app.parse(argc, argv);
@@ -238,6 +197,8 @@ Command ParseCommandLine(int argc, const char* const* argv, const char* environm
       command = FinishSample(flags);
     } else if (info->parsed()) {
       command = flags.info;
+    } else if (IsAnalyzeCommand(app)) {
+      command = FinishAnalyzeCommand(app, flags.analyze);
     } else {
       command = FinishJobCommand(app, flags.jobs);
     }

@@ -96,6 +96,22 @@ struct FetchCommand : ServerAddress, OutputPaths {
   std::optional<int> quantization_bits;
 };
 
+/// Samples of one kind: the files of several seeds are judged together.
+struct SampleGroup {
+  std::string name;
+  std::vector<std::string> paths;
+};
+
+/// `ccst analyze`, each file for itself, and `ccst compare`.
+struct AnalyzeCommand {
+  std::vector<SampleGroup> groups;
+  std::string surface;     ///< Mesh file; empty: the sample meshes themselves.
+  DensityOptions density;  ///< That the samples should follow.
+  std::string texture_path;
+  std::string json_path;  ///< Empty: none; as below.
+  std::string html_path;
+};
+
 /// Nothing to do: help or the version was printed, or the command line was wrong and the error
 /// printed.
 struct Done {
@@ -103,7 +119,8 @@ struct Done {
 };
 
 using Command = std::variant<Done, SampleCommand, InfoCommand, UploadCommand, MeshesCommand,
-                             JobsCommand, WatchCommand, CancelCommand, DeleteCommand, FetchCommand>;
+                             JobsCommand, WatchCommand, CancelCommand, DeleteCommand, FetchCommand,
+                             AnalyzeCommand>;
 
 /// What `--method` calls it.
 std::string MethodName(SamplingMethod method);

@@ -41,6 +41,13 @@ absl::Status CheckExtension(bool known, const char* flag, const std::string& pat
       absl::StrCat(flag, " ", path, ": the name must end in one of ", extensions));
 }
 
+absl::StatusOr<std::string> EncodePicture(const TriangleMesh& surface, const SampleSet& samples) {
+  CCST_ASSIGN_OR_RETURN(const RgbImage image, RenderPicture(surface, samples));
+  return EncodePng(image);
+}
+
+}  // namespace
+
 absl::Status CheckWritable(const std::string& path) {
   if (path.empty() || path == kStandardOutput) return absl::OkStatus();
   namespace fs = std::filesystem;
@@ -65,13 +72,6 @@ absl::Status CheckWritable(const std::string& path) {
   }
   return absl::OkStatus();
 }
-
-absl::StatusOr<std::string> EncodePicture(const TriangleMesh& surface, const SampleSet& samples) {
-  CCST_ASSIGN_OR_RETURN(const RgbImage image, RenderPicture(surface, samples));
-  return EncodePng(image);
-}
-
-}  // namespace
 
 absl::Status CheckOutputs(const OutputPaths& paths) {
   const std::string& samples = paths.samples_path;

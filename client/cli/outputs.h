@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "absl/status/status.h"
 #include "client/cli/flags.h"
 #include "client/cli/summary.h"
@@ -11,6 +13,10 @@ namespace ccst::cli {
 /// permissions, no two outputs in one place.
 /// @errors INVALID_ARGUMENT naming the path and what would be right
 absl::Status CheckOutputs(const OutputPaths& paths);
+
+/// Whether an output may be written to `path`, which is no device, no folder and in a folder that
+/// exists; empty and `-` are. @errors INVALID_ARGUMENT naming the path and what would be right
+absl::Status CheckWritable(const std::string& path);
 
 /// Writes what `paths` ask for, each file whole or not at all, the summary last. All of them
 /// are encoded before the first is written.

@@ -1,10 +1,7 @@
-#include <cstdint>
 #include <cstdio>
-#include <memory>
 #include <string>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "client/cli/commands.h"
 #include "client/cli/errors.h"
 #include "client/cli/interrupt.h"
@@ -13,10 +10,9 @@
 #include "client/cli/outputs.h"
 #include "client/cli/progress.h"
 #include "client/cli/summary.h"
+#include "client/cli/texture_input.h"
 #include "client/lib/client.h"
 #include "core/base/status.h"
-#include "core/io/image_file.h"
-#include "core/io/whole_file.h"
 
 namespace ccst::cli {
 namespace {
@@ -58,23 +54,6 @@ absl::Status Detach(MeshInput& input, const SampleCommand& command, ProgressPrin
   return absl::OkStatus();
 }
 
-constexpr std::int64_t kMaxTextureBytes = std::int64_t{256} << 20;
-
-// The image both as it travels and decoded, so that one that is no image is refused here.
-absl::Status ReadTexture(SampleCommand& command) {
-  CCST_ASSIGN_OR_RETURN(std::string bytes,
-                        io::ReadWholeFile(command.texture_path, kMaxTextureBytes));
-  absl::StatusOr<Image> image = DecodeImage(bytes);
-  if (!image.ok()) {
-    return MakeError(image.status().code(),
-                     GetErrorReason(image.status()).value_or(ErrorReason::kImageUnreadable),
-                     absl::StrCat(command.texture_path, ": ", image.status().message()));
-  }
-  command.options.density.image = std::make_shared<const Image>(*std::move(image));
-  command.options.density.encoded_image = std::make_shared<const std::string>(std::move(bytes));
-  return absl::OkStatus();
-}
-
 bool HasOutput(const SampleCommand& command) {
   return !command.samples_path.empty() || !command.mesh_path.empty() ||
          !command.picture_path.empty() || !command.summary_path.empty();
@@ -87,7 +66,8 @@ ExitCode Run(const SampleCommand& given) {
   ProgressPrinter printer(given.progress, stderr);
   SampleCommand command = given;
   if (!command.texture_path.empty()) {
-    if (const absl::Status status = ReadTexture(command); !status.ok()) {
+    if (const absl::Status status = ReadTexture(command.texture_path, command.options.density);
+        !status.ok()) {
       return Fail(printer, status, command.server);
     }
   }

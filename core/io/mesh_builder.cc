@@ -113,7 +113,7 @@ void MeshBuilder::AddCornerTexture(std::span<const Eigen::Vector2f> uv) {
 
 absl::StatusOr<MeshFile> MeshBuilder::Finish(
     const std::function<std::string(std::int64_t)>& where_is_face) && {
-  if (file_.mesh.faces.empty()) {
+  if (file_.mesh.faces.empty() && (limits_.min_faces > 0 || vertices() == 0)) {
     return Empty(absl::StrCat("the mesh has no faces (and ", vertices(), " vertices)"));
   }
   const std::int64_t count = vertices();

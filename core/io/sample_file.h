@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/mesh/triangle_mesh.h"
 #include "core/sampling/sampling.h"
 
 namespace ccst {
@@ -38,5 +39,13 @@ absl::StatusOr<std::string> EncodeSamples(const SampleSet& samples, SampleFormat
 ///         that names no format
 absl::Status WriteSamplesFile(const SampleSet& samples, const std::string& path,
                               std::optional<SampleFormat> format = std::nullopt);
+
+/// Reads samples, also those of other programs: .ply .obj .off .stl .glb .gltf and Draco meshes,
+/// whose faces are the sample mesh where there are any; .xyz, three numbers a line and what follows
+/// them passed over; .csv with columns x, y and z. Lines that start with # are comments.
+/// @return n positions [mesh unit], finite, n > 0; m triangles or none.
+/// @errors those of ReadMeshFile(); for .xyz and .csv INVALID_ARGUMENT MESH_UNREADABLE | MESH_EMPTY
+///         naming path and line
+absl::StatusOr<TriangleMesh> ReadSamplesFile(const std::string& path);
 
 }  // namespace ccst

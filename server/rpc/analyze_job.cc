@@ -1,15 +1,34 @@
 #include "server/rpc/analyze_job.h"
 
 #include <numbers>
+#include <utility>
+#include <vector>
 
+#include "core/analysis/sample_figures.h"
 #include "core/base/status.h"
 #include "core/quality/distances.h"
 #include "core/quality/sample_mesh_quality.h"
+#include "core/repair/repair.h"
+#include "proto/convert/figures.h"
 
 namespace ccst::server {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+
+// Curves over the sample mesh, which lies on the surface and is at hand where the mesh that was
+// sampled may be gone. A surface it always is: the sampler made it.
+absl::Status AddCurves(const std::vector<Eigen::Vector3d>& positions,
+                       const std::vector<Eigen::Vector3i>& triangles,
+                       v1::AnalyzeJobResponse& response) {
+  CCST_ASSIGN_OR_RETURN(RepairedMesh repaired, Repair({positions, triangles}));
+  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh));
+  Density uniform = Density::Uniform(surface);
+  const analysis::ReferenceSurface reference(std::move(surface), std::move(uniform));
+  const analysis::SampleSetView set = {positions, triangles};
+  AddFigures(analysis::MeasureSamples(reference, {&set, 1}, {.surface_distance = false}), response);
+  return absl::OkStatus();
+}
 
 }  // namespace
 
@@ -34,6 +53,9 @@ absl::StatusOr<v1::AnalyzeJobResponse> Analyze(const JobSupport& support, const 
   response.set_mean_min_angle_radians(angles.mean_smallest * kRadiansPerDegree);
   response.set_valence_5_7_share(
       quality::MeasureValences(stored->sample_count(), mesh.triangles).share_5_to_7);
+  if (job.spec().options.density.source == DensitySource::kUniform) {
+    CCST_RETURN_IF_ERROR(AddCurves(samples.positions, mesh.triangles, response));
+  }
   return response;
 }
 

@@ -16,10 +16,11 @@ ROOMS = {
     "core/density": ["core/surface"],
     "core/methods": ["core/density"],
     "core/quality": ["core/spatial"],
+    "core/analysis": ["core/density", "core/quality"],
     "core/sampling": ["core/methods", "core/repair", "core/quality"],
     "core/io": ["core/sampling"],
     "proto": [],
-    "proto/convert": ["proto", "core/quality", "core/io"],
+    "proto/convert": ["proto", "core/analysis", "core/io"],
     "server/base": ["core/base"],
     "server/store": ["server/base"],
     "server/meshes": ["core/io", "server/store"],
@@ -32,7 +33,8 @@ ROOMS = {
     "server": ["server/app"],
     "client/lib": ["proto/convert"],
     "client/render": ["core/sampling"],
-    "client/cli": ["client/lib", "client/render", "core/quality", "core/io"],
+    "client/report": ["client/render", "core/analysis"],
+    "client/cli": ["client/lib", "client/report", "core/analysis", "core/io"],
     "client": ["client/cli"],
 }
 

@@ -1,0 +1,89 @@
+#include "client/cli/analyze_flags.h"
+
+#include <filesystem>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+
+#include "client/cli/flag_kinds.h"
+#include "client/cli/outputs.h"
+
+namespace ccst::cli {
+namespace {
+
+constexpr char kAnalyze[] = "analyze";
+constexpr char kCompare[] = "compare";
+
+void AddFlags(CLI::App& sub, AnalyzeFlags& flags) {
+  AnalyzeCommand& c = flags.command;
+  sub.add_option("--surface", c.surface,
+                 "The mesh that was sampled; without it the sample meshes stand for it")
+      ->type_name("MESH");
+  AddDensity(sub, c.density, c.texture_path);
+  sub.add_option("--json", c.json_path, "Write the figures as JSON, - for standard output")
+      ->type_name("FILE");
+  sub.add_option("--html", c.html_path, "Write one page with curves, pictures and a table")
+      ->type_name("FILE");
+}
+
+// [NAME=]FILE[,FILE...]
+SampleGroup ParseSet(const std::string& text) {
+  SampleGroup group;
+  const std::size_t equals = text.find('=');
+  std::string files = text;
+  if (equals != std::string::npos && text.find('/') > equals) {
+    group.name = text.substr(0, equals);
+    files = text.substr(equals + 1);
+  }
+  std::istringstream stream(files);
+  for (std::string path; std::getline(stream, path, ',');) {
+    if (!path.empty()) group.paths.push_back(path);
+  }
+  if (group.paths.empty()) {
+    throw CLI::ValidationError("'" + text + "' names no file; want [NAME=]FILE[,FILE...]");
+  }
+  if (group.name.empty()) group.name = std::filesystem::path(group.paths.front()).filename();
+  return group;
+}
+
+}  // namespace
+
+void AddAnalyzeCommands(CLI::App& app, AnalyzeFlags& flags) {
+  CLI::App* analyze = app.add_subcommand(kAnalyze, "Measure samples, whoever made them");
+  analyze
+      ->add_option("SAMPLES", flags.sets,
+                   "Samples: .ply .xyz .csv .obj .off .drc, with faces or without; each for itself")
+      ->type_name("")
+      ->required();
+  AddFlags(*analyze, flags);
+  CLI::App* compare = app.add_subcommand(kCompare, "Measure samples side by side");
+  compare
+      ->add_option("SETS", flags.sets,
+                   "[NAME=]FILE[,FILE...]: files as for analyze; those of one set are averaged")
+      ->type_name("")
+      ->required();
+  AddFlags(*compare, flags);
+}
+
+bool IsAnalyzeCommand(const CLI::App& app) {
+  return app.got_subcommand(kAnalyze) || app.got_subcommand(kCompare);
+}
+
+AnalyzeCommand FinishAnalyzeCommand(const CLI::App& app, const AnalyzeFlags& flags) {
+  AnalyzeCommand command = flags.command;
+  for (const std::string& set : flags.sets) {
+    if (app.got_subcommand(kCompare)) {
+      command.groups.push_back(ParseSet(set));
+    } else {
+      command.groups.push_back({std::filesystem::path(set).filename(), {set}});
+    }
+  }
+  for (const std::string& path : {command.json_path, command.html_path}) {
+    if (const absl::Status status = CheckWritable(path); !status.ok()) {
+      throw CLI::ValidationError(std::string(status.message()));
+    }
+  }
+  return command;
+}
+
+}  // namespace ccst::cli
