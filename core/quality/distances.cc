@@ -163,6 +163,7 @@ DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
   for (std::int32_t i = 0; i < count; ++i) {
     const NearestOther any =
         FindNearest(tree, positions[i], images, NearestOther(i, all, kInfinity));
+    figures.nearest.push_back(std::sqrt(any.squared()) / figures.r_max);
     sum += std::sqrt(any.squared());
     KeepCloser(i, any, figures.closest);
   }

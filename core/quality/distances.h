@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -26,6 +27,7 @@ struct DistanceFigures {
   double mean_nearest_distance = 0.0;      ///< Mean distance to the nearest other sample.
   SamplePair closest;                      ///< The pair of relative_radius.
   SamplePair closest_same_side;            ///< The pair of relative_radius_same_side.
+  std::vector<double> nearest;             ///< n: distance to the nearest other sample.
 };
 
 /// The closest pair on one side, as MeasureDistances() finds it, for a fraction of its cost: what

@@ -42,6 +42,27 @@ AngleFigures MeasureAngles(std::span<const Eigen::Vector3d> positions,
   return figures;
 }
 
+ShapeFigures MeasureShapes(std::span<const Eigen::Vector3d> positions,
+                           std::span<const Eigen::Vector3i> triangles) {
+  ShapeFigures figures;
+  if (triangles.empty()) return figures;
+  figures.smallest = 1.0;
+  for (const Eigen::Vector3i& t : triangles) {
+    const Eigen::Vector3d u = positions[t[1]] - positions[t[0]];
+    const Eigen::Vector3d v = positions[t[2]] - positions[t[0]];
+    const double a = u.norm();
+    const double b = v.norm();
+    const double c = (u - v).norm();
+    const double longest = std::max({a, b, c});
+    // r = 2 area / perimeter.
+    const double inscribed = longest > 0.0 ? u.cross(v).norm() / (a + b + c) : 0.0;
+    const double quality = longest > 0.0 ? 2.0 * std::sqrt(3.0) * inscribed / longest : 0.0;
+    figures.smallest = std::min(figures.smallest, quality);
+    figures.mean += quality / static_cast<double>(triangles.size());
+  }
+  return figures;
+}
+
 ValenceFigures MeasureValences(std::int64_t vertex_count,
                                std::span<const Eigen::Vector3i> triangles) {
   std::vector<std::pair<std::int32_t, std::int32_t>> sides;

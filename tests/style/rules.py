@@ -16,6 +16,7 @@ ROOMS = {
     "core/density": ["core/surface"],
     "core/methods": ["core/density"],
     "core/quality": ["core/spatial"],
+    "core/analysis": ["core/density", "core/quality"],
     "core/sampling": ["core/methods", "core/repair", "core/quality"],
     "core/io": ["core/sampling"],
     "proto": [],

@@ -82,5 +82,19 @@ TEST(TurnedOver, CountsFlippedAndFlatTriangles) {
   EXPECT_EQ(CountTurnedOver(mesh.positions, normals, mesh.faces), 4);
 }
 
+TEST(Shapes, KnownTrianglesHaveTheirQuality) {
+  const std::vector<Eigen::Vector3d> positions = {
+      {0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {0, 1, 0}, {2, 0, 0}};
+  const std::vector<Eigen::Vector3i> equilateral = {{0, 1, 2}};
+  EXPECT_NEAR(MeasureShapes(positions, equilateral).smallest, 1.0, 1e-12);
+  // Right and isosceles: r = 1 / (2 + sqrt 2), h = sqrt 2.
+  const std::vector<Eigen::Vector3i> both = {{0, 1, 2}, {0, 1, 3}};
+  const double right = 2.0 * std::sqrt(3.0) / ((2.0 + std::sqrt(2.0)) * std::sqrt(2.0));
+  EXPECT_NEAR(MeasureShapes(positions, both).smallest, right, 1e-12);
+  EXPECT_NEAR(MeasureShapes(positions, both).mean, 0.5 * (1.0 + right), 1e-12);
+  const std::vector<Eigen::Vector3i> flat = {{0, 1, 4}};
+  EXPECT_EQ(MeasureShapes(positions, flat).smallest, 0.0);
+}
+
 }  // namespace
 }  // namespace ccst::quality
