@@ -1,6 +1,7 @@
 // How often the paper's start, Crust over white noise, gives a sample mesh of the surface's
 // topology, and what it converges to beside the start by construction. One JSON object a run.
 #include <cstdio>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "core/sampling/edge_flips.h"
 #include "core/sampling/initial_mesh.h"
 #include "core/sampling/relaxation.h"
+#include "tests/paper/report.h"
 #include "tests/paper/start.h"
 
 namespace ccst::paper {
@@ -24,6 +26,7 @@ struct Options {
   std::vector<std::int64_t> counts = {1700};
   std::vector<std::uint64_t> seeds = {1, 2, 3};
   Points points = Points::kWhite;
+  double normal_filter = 50.0;  // [degree]
   bool converge = false;
 };
 
@@ -34,17 +37,12 @@ nlohmann::json Converge(Start start, SampleMesh mesh) {
   const RelaxationReport report = Relax(
       start.surface, start.density, start.plan, options, [](const AlternationReport&) {}, &never,
       &mesh, &start.samples);
-  const figures::Figures f = figures::MeasureFigures(
-      start.mesh, figures::ReferenceSurface(start.mesh, figures::Welding::kNone),
-      MakeSampleSet(start, mesh));
-  return {{"alternations", report.alternations},
-          {"cv", f.capacity_cv},
-          {"radius", f.radius_same_side},
-          {"nearest", f.mean_nearest},
-          {"min_angle", f.min_angle},
-          {"below_30", f.below_30},
-          {"valence_5_7", f.valence_5_7},
-          {"hausdorff", f.hausdorff}};
+  const SampleSet set = MakeSampleSet(start, mesh);
+  nlohmann::json row = ReportFigures(start.surface, {&set, 1});
+  row.erase("radial_mean");  // Of one set each: too long to print.
+  row.erase("anisotropy");
+  row["alternations"] = report.alternations;
+  return row;
 }
 
 nlohmann::json Describe(const CrustOutcome& outcome) {
@@ -64,10 +62,12 @@ absl::Status Run(const Options& options, const std::string& path, std::int64_t c
                         {"count", count},
                         {"seed", seed},
                         {"euler", start.surface.component_eulers()[0]}};
-  CCST_ASSIGN_OR_RETURN(const CrustOutcome crust, RunCrust(start, true));
+  CrustOptions crust_options = {.normal_filter = options.normal_filter * std::numbers::pi / 180.0};
+  CCST_ASSIGN_OR_RETURN(const CrustOutcome crust, RunCrust(start, crust_options));
   row["crust"] = Describe(crust);
   if (!crust.usable) {
-    CCST_ASSIGN_OR_RETURN(const CrustOutcome holes, RunCrust(start, false));
+    crust_options.trim_holes = false;
+    CCST_ASSIGN_OR_RETURN(const CrustOutcome holes, RunCrust(start, crust_options));
     row["with_holes"] = Describe(holes);
   }
   if (options.converge) {
@@ -100,6 +100,7 @@ int main(int argc, char** argv) {
   app.add_option("--points", options.points, "Where samples start")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, Points>{{"strata", Points::kStrata}, {"white", Points::kWhite}}));
+  app.add_option("--normal-filter", options.normal_filter, "Of Crust [degree]");
   app.add_flag("--converge", options.converge, "Relax both starts and measure what comes out");
   CLI11_PARSE(app, argc, argv);
   for (const std::string& mesh : options.meshes) {

@@ -20,6 +20,7 @@
 #include "core/sampling/edge_flips.h"
 #include "core/sampling/geometry_phase.h"
 #include "core/sampling/initial_mesh.h"
+#include "tests/paper/report.h"
 #include "tests/paper/start.h"
 
 namespace ccst::paper {
@@ -115,20 +116,9 @@ absl::Status Run(const Options& options) {
     CCST_RETURN_IF_ERROR(picture(phase, ""));
   }
 
-  const figures::Figures f = figures::MeasureFigures(
-      start.mesh, figures::ReferenceSurface(start.mesh, figures::Welding::kNone),
-      MakeSampleSet(start, mesh));
-  const nlohmann::json report = {{"count", options.count},
-                                 {"rows", rows},
-                                 {"figures",
-                                  {{"cv", f.capacity_cv},
-                                   {"radius", f.radius_same_side},
-                                   {"nearest", f.mean_nearest},
-                                   {"min_angle", f.min_angle},
-                                   {"below_30", f.below_30},
-                                   {"valence_5_7", f.valence_5_7},
-                                   {"hausdorff", f.hausdorff},
-                                   {"turned_over", f.turned_over}}}};
+  const SampleSet set = MakeSampleSet(start, mesh);
+  const nlohmann::json report = {{"rows", rows},
+                                 {"figures", ReportFigures(start.surface, {&set, 1})}};
   std::printf("%s\n", report.dump().c_str());
   return absl::OkStatus();
 }

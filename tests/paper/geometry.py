@@ -4,6 +4,7 @@ import json
 
 import matplotlib.pyplot as plt
 
+from differentials import plot_differentials
 from harness import Figure, panels, show
 
 NAMES = {"paper/eight_7402.off": "eight", "paper/kitten_9756.off": "kitten"}
@@ -103,8 +104,6 @@ def figure_3(bench):
 
 def figure_7(bench):
     """Starts of three kinds, and what becomes of them."""
-    from differentials import analyse, plot_differentials
-
     figure = Figure("figure-7", "Figure 7: different starts")
     figure.header = ["start", "capacity cv", "radius", "mean nearest", "smallest angle",
                      "valence 5 to 7"]
@@ -112,24 +111,22 @@ def figure_7(bench):
               "strata": "one in each stratum (ccst)"}
     mesh = bench.model("paper/kitten_9756.off")
     phases = 2 if bench.quick else 8
+    curves = {}
     _, axes = plt.subplots(2, 3, figsize=(11, 8))
     for column, (points, title) in enumerate(starts.items()):
         stem = f"start-{points}"
         report = evolve(
             bench, mesh, stem, "--points", points, "--count", bench.count(1700), "--phases", phases,
-            "--picture-at", f"0,{phases}", "--samples", bench.work / f"{stem}.xyz",
+            "--picture-at", f"0,{phases}",
         )
         show(axes[0, column], panels(bench.work / f"{stem}-0.png")[0], title)
         show(axes[1, column], panels(bench.work / f"{stem}-{phases}.png")[0])
-        f = report["figures"]
+        curves[title] = f = report["figures"]
         figure.rows.append([title, f"{f['cv']:.3f}", f"{f['radius']:.3f}", f"{f['nearest']:.3f}",
                             f"{f['min_angle']:.1f}", f"{100 * f['valence_5_7']:.1f} %"])
     figure.images.append(bench.save("figure-7.png"))
-    curves = {
-        title: [analyse(bench, bench.work / f"start-{points}.xyz", mesh)]
-        for points, title in starts.items()
-    }
-    plot_differentials(curves)
+    _, axes = plt.subplots(1, 2, figsize=(11, 3.5))
+    plot_differentials(axes, curves)
     figure.images.append(bench.save("figure-7-differentials.png"))
     figure.text.append(
         "Three starts, the second with most samples on one side, and what the paper's loop makes "

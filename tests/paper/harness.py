@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import resource
 import subprocess
 import sys
 from dataclasses import dataclass, field
@@ -68,8 +69,8 @@ class Bench:
         return done.stdout, done.stderr
 
     def sample(self, mesh, count, stem, *arguments, picture=False):
-        """Samples `mesh` in the process; returns the summary, with "stem" to the files written:
-        .csv, .obj for methods with a sample mesh, .png."""
+        """Samples `mesh` in the process; returns the summary, with "stem" to the files written
+        (.csv, .obj for methods with a sample mesh, .png), "progress" and "cpu_seconds"."""
         stem = self.work / stem
         command = ["sample", mesh, "--count", count, "--local", "--threads", 1]
         command += ["--summary", f"{stem}.json", "-o", f"{stem}.csv", "--progress", "json"]
@@ -77,8 +78,11 @@ class Bench:
             command += ["--picture", f"{stem}.png"]
         if "--method" not in arguments:
             command += ["--mesh-output", f"{stem}.obj"]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
         _, progress = self.run("ccst", *command, *arguments)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
         summary = json.loads(Path(f"{stem}.json").read_text())
+        summary["cpu_seconds"] = after.ru_utime - before.ru_utime
         summary["stem"] = stem
         summary["progress"] = [json.loads(x) for x in progress.splitlines() if x.startswith("{")]
         return summary

@@ -7,7 +7,6 @@
 #include "absl/status/status.h"
 #include "core/base/interrupt.h"
 #include "core/base/status.h"
-#include "core/crust/crust.h"
 #include "core/methods/methods.h"
 #include "core/repair/repair.h"
 #include "core/sampling/initial_points.h"
@@ -56,10 +55,9 @@ absl::StatusOr<Start> DrawStart(const TriangleMesh& mesh, std::int64_t count, st
                std::move(samples)};
 }
 
-absl::StatusOr<CrustOutcome> RunCrust(const Start& start, bool trim_holes) {
+absl::StatusOr<CrustOutcome> RunCrust(const Start& start, const CrustOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  CCST_ASSIGN_OR_RETURN(Crust crust,
-                        ReconstructByCrust(start.samples.position, {.trim_holes = trim_holes}));
+  CCST_ASSIGN_OR_RETURN(Crust crust, ReconstructByCrust(start.samples.position, options));
   CrustOutcome outcome;
   outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   outcome.triangles = std::move(crust.triangles);

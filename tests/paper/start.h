@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "absl/status/statusor.h"
+#include "core/crust/crust.h"
 #include "core/density/density.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/quality/mesh_topology.h"
@@ -11,7 +12,6 @@
 #include "core/sampling/samples.h"
 #include "core/sampling/sampling.h"
 #include "core/surface/surface.h"
-#include "tests/figures/figures.h"
 
 /// The algorithm in single steps, for what the command cannot show.
 namespace ccst::paper {
@@ -43,7 +43,7 @@ struct CrustOutcome {
   bool usable = false;  ///< A manifold through all samples with the topology of the surface.
   double seconds = 0.0;
 };
-absl::StatusOr<CrustOutcome> RunCrust(const Start& start, bool trim_holes);
+absl::StatusOr<CrustOutcome> RunCrust(const Start& start, const CrustOptions& options);
 
 /// The samples and their mesh in mesh units, with hosts on `start.mesh`.
 SampleSet MakeSampleSet(const Start& start, const SampleMesh& mesh);
