@@ -14,6 +14,7 @@ ROOMS = {
     "core/surface": ["core/spatial"],
     "core/repair": ["core/surface"],
     "core/density": ["core/surface"],
+    "core/crust": ["core/base"],  # For tests/paper alone: no room that ships may include it.
     "core/methods": ["core/density"],
     "core/quality": ["core/spatial"],
     "core/analysis": ["core/density", "core/quality"],
@@ -58,6 +59,7 @@ EXTERNALS = {
         ["proto", "server/rpc", "server/app", "server", "client/lib", "client/cli"],
     ),
     "Draco": (r"^draco/", ["core/io"]),
+    "Qhull": (r"^libqhull", ["core/crust"]),
     "SQLite": (r"^sqlite3\.h$", ["server/store"]),
     "image decoders": (r"^(spng|turbojpeg)\.h$", ["core/io"]),
     "command-line flags": (
