@@ -2,7 +2,7 @@ import { defineConfig } from 'vite';
 import { aliases } from './aliases';
 
 export default defineConfig({
-  base: './',
+  base: '/',
   resolve: { alias: aliases },
   build: {
     outDir: '../../dist/page',
