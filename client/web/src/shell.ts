@@ -76,8 +76,8 @@ export class Shell {
           <button @click=${() => openTokenDialog(() => this.reload())}>
             ${currentToken() === null ? 'Token' : 'Token ✓'}
           </button>
-          <button @click=${() => nextTheme()} title="Colours: automatic, light or dark">
-            <span class="visually-hidden">Colours: </span>${currentTheme()}
+          <button @click=${() => nextTheme()}>
+            Theme: ${currentTheme()}
           </button>
         </header>
         ${this.dropNotice()}

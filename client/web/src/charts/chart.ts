@@ -17,12 +17,13 @@ export interface ChartOptions {
   logarithmic?: boolean;
 }
 
-/** A line chart that grows; hides nothing from those who do not see it: its numbers are in its name. */
+/** A line chart that grows; its name says its last numbers to those who do not see it. */
 export class Chart {
   private readonly plot: uPlot;
   private readonly sizes: ResizeObserver;
   private readonly scheme = matchMedia('(prefers-color-scheme: dark)');
   private frame = 0;
+  private data: uPlot.AlignedData = [[]];
 
   constructor(
     private readonly box: HTMLElement,
@@ -33,6 +34,7 @@ export class Chart {
     this.sizes = new ResizeObserver(() => this.resize());
     this.sizes.observe(box);
     this.scheme.addEventListener('change', this.redraw);
+    document.addEventListener('themechange', this.redraw);
     this.setData([], options.series.map(() => []));
   }
 
@@ -46,10 +48,11 @@ export class Chart {
         ? `${this.options.title}: nothing yet`
         : `${this.options.title}: ${x.length} points, the last ${last?.toPrecision(3)} at ${x.at(-1)}`,
     );
+    this.data = [x, ...series] as uPlot.AlignedData;
     // Once a frame at most, however fast reports come.
     this.frame ||= requestAnimationFrame(() => {
       this.frame = 0;
-      this.plot.setData([x, ...series] as uPlot.AlignedData);
+      this.plot.setData(this.data);
     });
   }
 
@@ -58,6 +61,7 @@ export class Chart {
   destroy(): void {
     cancelAnimationFrame(this.frame);
     this.scheme.removeEventListener('change', this.redraw);
+    document.removeEventListener('themechange', this.redraw);
     this.sizes.disconnect();
     this.plot.destroy();
   }

@@ -80,7 +80,7 @@ export class ViewPanel {
   private async loadSurface(job: Job): Promise<void> {
     try {
       const surface = await decodeSurface(await readMeshBytes(job.mesh, this.signal));
-      if (!this.signal.aborted) this.view?.setSurface(surface, job.result?.surface?.surfaceArea ?? 0);
+      if (!this.signal.aborted) this.view?.setSurface(surface);
     } catch (error) {
       if (!this.signal.aborted) this.say(`Without its surface: ${explain(error).title}`);
     }
@@ -104,7 +104,7 @@ export class ViewPanel {
       this.hasResult = true;
       this.hasMesh = triangles.length > 0;
       const area = result.surface?.surfaceArea ?? 0;
-      this.view?.showResult({ samples, triangles, area });
+      this.view?.showResult({ samples, triangles, area }, () => performance.mark('ccst-result-drawn'));
       this.box.dataset['result'] = 'shown';
       this.say('');
       this.describe(
@@ -128,7 +128,6 @@ export class ViewPanel {
   private choose(by: ColourBy): void {
     this.by = by;
     this.legend = this.view?.colourBy(by);
-    this.view?.show(this.layers);
     this.tools.now();
   }
 

@@ -11,7 +11,7 @@ import {
 import type { SurfaceMesh } from '../mesh/surface_mesh';
 import { colouring, type ColourBy, type Colouring, type SampledSurface } from './colouring';
 import { coloursOf } from './colour_map';
-import { hexagonalSpacing } from './sample_measures';
+import { hexagonalSpacing, triangleAreas } from './sample_measures';
 import { SamplePoints } from './sample_points';
 import { Stage } from './stage';
 
@@ -38,6 +38,7 @@ export class JobView {
   private wires: LineSegments | undefined;
   private result: SampledSurface | undefined;
   private framed = false;
+  private layers: Layers = { surface: true, points: true, mesh: true };
   private area = 0;
   private readonly still = matchMedia('(prefers-reduced-motion: reduce)');
 
@@ -57,8 +58,8 @@ export class JobView {
   }
 
   /** Shows the sampled surface, shaded, underneath. */
-  setSurface(mesh: SurfaceMesh, area: number): void {
-    this.area = area;
+  setSurface(mesh: SurfaceMesh): void {
+    this.area ||= triangleAreas(mesh.positions, mesh.indices).reduce((sum, area) => sum + area, 0);
     const geometry = new BufferGeometry();
     geometry.setAttribute('position', new BufferAttribute(mesh.positions, 3));
     geometry.setIndex(new BufferAttribute(mesh.indices, 1));
@@ -90,7 +91,7 @@ export class JobView {
   }
 
   /** Shows what came out. */
-  showResult(result: SampledSurface): void {
+  showResult(result: SampledSurface, drawn?: () => void): void {
     this.result = result;
     this.area = result.area;
     const { samples, triangles } = result;
@@ -114,6 +115,7 @@ export class JobView {
       }
     }
     this.restyle();
+    this.stage.invalidate(drawn);
   }
 
   /** Colours the samples and the mesh over them; returns what the legend says. */
@@ -126,19 +128,20 @@ export class JobView {
       if (colours) this.faces.geometry.setAttribute('color', new BufferAttribute(colours, 3));
       material.vertexColors = colours !== undefined;
       material.needsUpdate = true;
-      this.faces.visible = colours !== undefined && (this.wires?.visible ?? true);
     }
+    this.show(this.layers);
     this.restyle();
     return chosen;
   }
 
   show(layers: Layers): void {
+    this.layers = layers;
+    const painted = (this.faces?.material as MeshLambertMaterial | undefined)?.vertexColors ?? false;
     this.points.object.visible = layers.points;
-    if (this.surface) this.surface.visible = layers.surface;
     if (this.wires) this.wires.visible = layers.mesh;
-    if (this.faces) {
-      this.faces.visible = layers.mesh && (this.faces.material as MeshLambertMaterial).vertexColors;
-    }
+    if (this.faces) this.faces.visible = layers.mesh && painted;
+    // It would stick out of the painted triangles, which cut its hollows off.
+    if (this.surface) this.surface.visible = layers.surface && !(this.faces?.visible ?? false);
     this.stage.invalidate();
   }
 

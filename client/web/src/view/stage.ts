@@ -71,7 +71,7 @@ export class Stage {
   /** Points the camera at `box` from a little above and fits it in. */
   lookAt(box: Box3): void {
     const sphere = box.getBoundingSphere(new Sphere());
-    const distance = (1.12 * sphere.radius) / Math.sin((this.camera.fov * Math.PI) / 360);
+    const distance = (0.9 * sphere.radius) / Math.sin((this.camera.fov * Math.PI) / 360);
     this.camera.near = distance / 100;
     this.camera.far = distance * 10;
     this.camera.updateProjectionMatrix();
