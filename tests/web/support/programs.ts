@@ -29,16 +29,19 @@ export class Folder {
 class Program {
   private constructor(
     private readonly process: ChildProcess,
-    readonly address: string,
+    /** What followed each prefix. */
+    readonly addresses: string[],
   ) {}
 
-  static async start(command: string, args: string[], prefix: string): Promise<Program> {
+  static async start(command: string, args: string[], prefixes: string[]): Promise<Program> {
     const child = spawn(command, args, { env: environment, stdio: ['ignore', 'pipe', 'pipe'] });
     let log = '';
-    child.stderr?.on('data', (data: Buffer) => (log = (log + data.toString()).slice(-4000)));
-    if (!child.stdout) throw new Error('no output');
+    child.stderr.on('data', (data: Buffer) => (log = (log + data.toString()).slice(-4000)));
+    const addresses: string[] = [];
     for await (const line of createInterface({ input: child.stdout })) {
-      if (line.startsWith(prefix)) return new Program(child, line.slice(prefix.length).trim());
+      const prefix = prefixes[addresses.length] ?? '';
+      if (line.startsWith(prefix)) addresses.push(line.slice(prefix.length).trim());
+      if (addresses.length === prefixes.length) return new Program(child, addresses);
     }
     throw new Error(`${command} ${args.join(' ')} ended before it listened: ${log}`);
   }
@@ -60,6 +63,7 @@ export class Server {
   private program: Program | undefined;
   /** Kept over restarts. */
   address = '127.0.0.1:0';
+  private metrics = '';
 
   constructor(
     private readonly folder: Folder,
@@ -69,15 +73,21 @@ export class Server {
   async start(): Promise<this> {
     this.program = await Program.start(
       join(bin, 'ccst-server'),
-      ['--listen', this.address, '--data-dir', this.folder.file('data'), ...this.flags],
-      'listening on ',
+      ['--listen', this.address, '--data-dir', this.folder.file('data'), '--metrics-listen', '127.0.0.1:0', ...this.flags],
+      ['listening on ', 'metrics on '],
     );
-    this.address = this.program.address;
+    [this.address = '', this.metrics = ''] = this.program.addresses;
     return this;
   }
 
   get pid(): number {
     return this.program?.pid ?? 0;
+  }
+
+  /** The value of a gauge or counter without labels. */
+  async metric(name: string): Promise<number> {
+    const page = await (await fetch(`http://${this.metrics}/metrics`)).text();
+    return Number(new RegExp(`^${name} (.*)$`, 'm').exec(page)?.[1]);
   }
 
   async kill(): Promise<void> {
@@ -90,9 +100,9 @@ export async function startGateway(server: string, flags: string[] = []) {
   const program = await Program.start(
     process.execPath,
     [join(dist, 'gateway', 'main.js'), '--listen', '127.0.0.1:0', '--server', server, ...flags],
-    'dashboard on ',
+    ['dashboard on '],
   );
-  return { url: program.address, pid: program.pid, stop: () => program.stop('SIGTERM') };
+  return { url: program.addresses[0] ?? '', pid: program.pid, stop: () => program.stop('SIGTERM') };
 }
 
 /** Runs ccst and returns what it printed. @throws when it fails */

@@ -103,6 +103,7 @@ test('ValuesOfJob.Form of a job asks for the same job', () => {
   const built = build(values);
   if ('errors' in built) throw new Error();
   const { spec, displayName, labels } = built.request;
-  const job = create(JobSchema, { effectiveOptions: spec?.options, displayName, labels });
+  if (!spec?.options) throw new Error('no options');
+  const job = create(JobSchema, { effectiveOptions: spec.options, displayName, labels });
   expect(valuesOf(job)).toEqual({ ...DEFAULT_VALUES, ...values });
 });
