@@ -37,6 +37,7 @@ export class JobView {
   private faces: Mesh | undefined;
   private wires: LineSegments | undefined;
   private result: SampledSurface | undefined;
+  private readonly wireLift = { value: 0 };
   private framed = false;
   private layers: Layers = { surface: true, points: true, mesh: true };
   private area = 0;
@@ -107,10 +108,7 @@ export class JobView {
       this.faces.visible = false;
       this.stage.add(this.faces);
       if (samples.count <= MOST_WIRED) {
-        this.wires = new LineSegments(
-          edgesOf(geometry, triangles),
-          new LineBasicMaterial({ transparent: true, opacity: 0.45 }),
-        );
+        this.wires = new LineSegments(edgesOf(geometry, triangles), this.wireMaterial());
         this.stage.add(this.wires);
       }
     }
@@ -152,6 +150,7 @@ export class JobView {
     const count = this.points.shown;
     const height = this.box.clientHeight * (this.stage.software ? 1 : Math.min(2, devicePixelRatio));
     const spacing = this.area > 0 && count > 0 ? hexagonalSpacing(this.area, count) : 0;
+    this.wireLift.value = 0.3 * spacing;
     this.points.style(colour('--view-point'), spacing, height / 2);
     (this.surface?.material as MeshLambertMaterial | undefined)?.color.set(colour('--view-surface'));
     (this.wires?.material as LineBasicMaterial | undefined)?.color.set(colour('--view-wire'));
@@ -165,6 +164,23 @@ export class JobView {
     }
     this.points.dispose();
     this.stage.dispose();
+  }
+
+  /** Lines that are drawn in front of the surface whose hollows and bulges they cut off. */
+  private wireMaterial(): LineBasicMaterial {
+    const material = new LineBasicMaterial({ transparent: true, opacity: 0.45 });
+    material.onBeforeCompile = (shader) => {
+      shader.uniforms['lift'] = this.wireLift;
+      shader.vertexShader = shader.vertexShader
+        .replace('void main() {', 'uniform float lift;\nvoid main() {')
+        .replace(
+          '#include <project_vertex>',
+          `#include <project_vertex>
+          mvPosition.xyz *= 1.0 - min(0.5, lift / -mvPosition.z);
+          gl_Position = projectionMatrix * mvPosition;`,
+        );
+    };
+    return material;
   }
 
   private frame(box: Box3): void {

@@ -13,14 +13,15 @@ const vertexShader = `
   attribute vec3 colour;
   uniform float moved;
   uniform float size;
+  uniform float lift;
   uniform vec3 plain;
   uniform float coloured;
   varying vec3 shade;
   void main() {
     vec4 place = modelViewMatrix * vec4(mix(previous, position, moved), 1.0);
+    // Towards the eye, in front of the surface they lie on.
+    place.xyz *= 1.0 - min(0.5, lift / -place.z);
     gl_Position = projectionMatrix * place;
-    // In front of the surface they lie on.
-    gl_Position.z -= 0.0015 * gl_Position.w;
     gl_PointSize = clamp(size * projectionMatrix[1][1] / -place.z, 1.5, 24.0);
     shade = mix(plain, colour, coloured);
   }
@@ -46,6 +47,7 @@ export class SamplePoints {
     uniforms: {
       moved: { value: 1 },
       size: { value: 1 },
+      lift: { value: 0 },
       plain: { value: new Color() },
       coloured: { value: 0 },
     },
@@ -101,6 +103,7 @@ export class SamplePoints {
   style(plain: string, spacing: number, height: number): void {
     (this.material.uniforms['plain']!.value as Color).set(plain);
     this.material.uniforms['size']!.value = 0.22 * spacing * height;
+    this.material.uniforms['lift']!.value = 0.4 * spacing;
   }
 
   bounds(): Box3 {
