@@ -1,4 +1,7 @@
+import { execFileSync } from 'node:child_process';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { createServer, request } from 'node:http';
+import * as https from 'node:https';
 import type { AddressInfo } from 'node:net';
 import { createClient } from '@connectrpc/connect';
 import { createConnectTransport } from '@connectrpc/connect-node';
@@ -7,7 +10,6 @@ import { Job_State } from '@api/job_pb';
 import { SamplingService } from '@api/sampling_service_pb';
 import { ccst, Folder, Server, startGateway } from '../support/programs';
 import { asObj, torus } from '../support/meshes';
-import { writeFileSync } from 'node:fs';
 
 const folder = new Folder();
 const server = new Server(folder);
@@ -141,4 +143,30 @@ test('Gateway.Health follows the server', async () => {
   const lonely = await startGateway(`127.0.0.1:${port}`);
   expect((await fetch(lonely.url + '/healthz')).status).toBe(503);
   await lonely.stop();
+});
+
+test('Gateway.Encryption holds on both sides', async () => {
+  const [cert, key] = [folder.file('cert.pem'), folder.file('key.pem')];
+  execFileSync('openssl', [
+    ...'req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 1 -subj /CN=test'.split(' '),
+    ...['-addext', 'subjectAltName=IP:127.0.0.1', '-out', cert, '-keyout', key],
+  ], { stdio: 'pipe' });
+  const other = new Folder();
+  const secret = new Server(other, ['--tls-cert', cert, '--tls-key', key]);
+  await secret.start();
+  const flags = ['--server-tls-ca', cert, '--tls-cert', cert, '--tls-key', key];
+  const front = await startGateway(secret.address, flags);
+  expect(front.url).toMatch(/^https:/);
+  const status = await new Promise<number>((resolve, reject) => {
+    https
+      .get(front.url + '/healthz', { ca: readFileSync(cert) }, (response) => {
+        response.resume();
+        resolve(response.statusCode ?? 0);
+      })
+      .on('error', reject);
+  });
+  expect(status).toBe(200);
+  await front.stop();
+  await secret.kill();
+  other.remove();
 });

@@ -1,9 +1,9 @@
 import { expect, test } from 'vitest';
 import { AttributeKind } from '@api/sampling_service_pb';
-import type { Writable } from '../../../client/web/src/mesh/write_mesh';
-import { writeCsv, writeObj } from '../../../client/web/src/mesh/write_mesh';
-import { writeGlb } from '../../../client/web/src/mesh/write_glb';
-import { writePly } from '../../../client/web/src/mesh/write_ply';
+import type { Writable } from '../../../client/web/src/export/write_mesh';
+import { writeCsv, writeObj } from '../../../client/web/src/export/write_mesh';
+import { writeGlb } from '../../../client/web/src/export/write_glb';
+import { writePly } from '../../../client/web/src/export/write_ply';
 import { readMesh } from '../../../client/web/src/mesh/read_mesh';
 
 const content: Writable = {

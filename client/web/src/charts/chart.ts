@@ -17,6 +17,19 @@ export interface ChartOptions {
   logarithmic?: boolean;
 }
 
+/** Curves over one axis: every x of any of them, null where a curve has no value. */
+export function onOneAxis(curves: { x: number[]; y: number[] }[]): {
+  x: number[];
+  ys: (number | null)[][];
+} {
+  const x = [...new Set(curves.flatMap((curve) => curve.x))].sort((a, b) => a - b);
+  const ys = curves.map((curve) => {
+    const byX = new Map(curve.x.map((place, i) => [place, curve.y[i] ?? null]));
+    return x.map((place) => byX.get(place) ?? null);
+  });
+  return { x, ys };
+}
+
 /** A line chart that grows; its name says its last numbers to those who do not see it. */
 export class Chart {
   private readonly plot: uPlot;
@@ -110,7 +123,9 @@ export class Chart {
         ...this.options.series.map((series): uPlot.Series => {
           const stroke = () => this.colour(series.colour);
           const value = (_plot: uPlot, v: number | null) => (v === null ? '–' : compact(v));
-          if (!series.bars) return { label: series.label, stroke, width: 2, value, points: { show: false } };
+          if (!series.bars) {
+            return { label: series.label, stroke, width: 2, value, spanGaps: true, points: { show: false } };
+          }
           const paths = uPlot.paths.bars?.({ size: [0.7, 12] });
           return {
             label: series.label,

@@ -5,10 +5,9 @@ import { jobsApi } from '../api/clients';
 import { explain, type Explanation } from '../api/explain';
 import { hasEnded, JobWatch } from '../job/job_watch';
 import { QUALITY_FIGURES } from '../job/quality_figures';
-import type { RunHistory } from '../job/run_history';
-import { seconds } from '../job/run_history';
+import { seconds, type RunHistory } from '../job/run_history';
 import { countWords, durationWords, idOf, METHOD_WORDS, STATE_WORDS, titleOf } from '../job/words';
-import { Chart } from '../charts/chart';
+import { Chart, onOneAxis } from '../charts/chart';
 import { find, Painter, wait, type Page } from '../ui/dom';
 import { errorNotice } from '../ui/notices';
 import { ViewPanel } from '../panels/view_panel';
@@ -93,12 +92,14 @@ export function comparePage(box: HTMLElement, nameA: string, nameB: string): Pag
   }
 
   function drawChart(): void {
-    const iterations = [...new Set(sides.flatMap((s) => s.history?.iterations ?? []))].sort((p, q) => p - q);
-    const series = sides.map(({ history }) => {
-      const byIteration = new Map(history?.iterations.map((n, i) => [n, history.capacityCvs[i] ?? 0]));
-      return iterations.map((n) => byIteration.get(n) || null);
-    });
-    chart.setData(iterations, series);
+    const { x, ys } = onOneAxis(
+      sides.map(({ history }) => ({
+        x: history?.iterations ?? [],
+        y: history?.capacityCvs ?? [],
+      })),
+    );
+    // A logarithm has no place for zero.
+    chart.setData(x, ys.map((values) => values.map((v) => v || null)));
   }
 
   function template() {

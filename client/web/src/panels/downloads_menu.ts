@@ -2,13 +2,13 @@ import { html } from 'lit-html';
 import type { Job } from '@api/job_pb';
 import { readSampleMesh, readSamples } from '../job/read_results';
 import { idOf } from '../job/words';
-import { writeCsv, writeObj, type Writable } from '../mesh/write_mesh';
-import { writePly } from '../mesh/write_ply';
+import { writeCsv, writeObj, type Writable } from '../export/write_mesh';
+import { writePly } from '../export/write_ply';
 
 type Writer = (content: Writable) => Blob | Promise<Blob>;
 
 // Loaded when it is needed: most pages never write glTF.
-const writeGlb: Writer = async (content) => (await import('../mesh/write_glb')).writeGlb(content);
+const writeGlb: Writer = async (content) => (await import('../export/write_glb')).writeGlb(content);
 
 const FORMATS: Record<string, Writer> = { ply: writePly, obj: writeObj, glb: writeGlb, csv: writeCsv };
 

@@ -1,10 +1,9 @@
 import { html, nothing } from 'lit-html';
 import { Job_State, type Job } from '@api/job_pb';
 import { AnalyzeJobResponseSchema, type AnalyzeJobResponse } from '@api/sampling_service_pb';
-import uPlot from 'uplot';
 import { jobsApi } from '../api/clients';
 import { explain, type Explanation } from '../api/explain';
-import { Chart } from '../charts/chart';
+import { Chart, onOneAxis } from '../charts/chart';
 import { curvesOf, curveTitle } from '../job/curves';
 import { QUALITY_FIGURES } from '../job/quality_figures';
 import {
@@ -130,8 +129,8 @@ export class QualityPanel {
         series: having.map((s, i) => ({ label: s.title, colour: colours[i] ?? '--chart-1' })),
       });
       const curves = having.flatMap((s) => s.curves.filter((c) => c.name === name));
-      const [x = [], ...ys] = uPlot.join(curves.map((c): uPlot.AlignedData => [c.x, c.y]));
-      chart.setData([...x], ys as (number | null)[][]);
+      const { x, ys } = onOneAxis(curves);
+      chart.setData(x, ys);
       this.charts.push(chart);
     }
   }
