@@ -22,6 +22,15 @@ test('ReadMesh.Faces of an OBJ file keep their order and places', async () => {
   expect(corners(await readMesh('torus.OBJ', bytes(asObj(mesh))))).toEqual(expected);
 });
 
+test('ReadMesh.Triangles of an STL file keep their places', async () => {
+  const facets = mesh.faces.map(
+    (face) =>
+      `facet normal 0 0 0\nouter loop\n${face.map((i) => `vertex ${mesh.positions[i]?.join(' ')}\n`).join('')}endloop\nendfacet\n`,
+  );
+  const text = `solid torus\n${facets.join('')}endsolid torus\n`;
+  expect(corners(await readMesh('torus.stl', bytes(text)))).toEqual(expected);
+});
+
 test('ReadMesh.Polygons of an OFF file become fans', async () => {
   const text = 'OFF # a square\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n';
   expect([...(await readMesh('a.off', bytes(text))).indices]).toEqual([0, 1, 2, 0, 2, 3]);

@@ -49,6 +49,7 @@ test('WriteCsv.Numbers come back as they were', async () => {
 test.each([
   ['mesh.obj', writeObj],
   ['mesh.ply', writePly],
+  ['mesh.glb', writeGlb],
 ])('Write.Triangles of %s are read again', async (name, write) => {
   const mesh = await readMesh(name, await bytesOf(await write({ ...content, origin: [0, 0, 0] })));
   const places = [...mesh.indices].flatMap((i) => [...mesh.positions.subarray(3 * i, 3 * i + 3)]);

@@ -12,7 +12,7 @@ import { idOf } from './words';
 
 /** What results are held against: what the field does today, and no method at all. */
 export const REFERENCE_METHODS: { method: SamplingMethod; title: string }[] = [
-  { method: SamplingMethod.SAMPLE_ELIMINATION, title: 'Poisson disk' },
+  { method: SamplingMethod.POISSON_DISK, title: 'Poisson disk' },
   { method: SamplingMethod.WHITE_NOISE, title: 'White noise' },
 ];
 

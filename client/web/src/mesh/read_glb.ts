@@ -48,9 +48,12 @@ function fromPrimitive(primitive: Primitive, matrix: Matrix): SurfaceMesh | unde
 
 /** The triangles of every mesh in the scenes of a binary glTF, where its nodes put them. */
 export async function readGlb(bytes: Uint8Array): Promise<SurfaceMesh[]> {
-  const io = new WebIO()
-    .registerExtensions([KHRDracoMeshCompression])
-    .registerDependencies({ 'draco3d.decoder': await decoderModule() });
+  const io = new WebIO();
+  // The decoder is large, and few files need it.
+  if (new TextDecoder('latin1').decode(bytes).includes(KHRDracoMeshCompression.EXTENSION_NAME)) {
+    io.registerExtensions([KHRDracoMeshCompression]);
+    io.registerDependencies({ 'draco3d.decoder': await decoderModule() });
+  }
   const document = await io.readBinary(bytes);
   const parts: SurfaceMesh[] = [];
   for (const node of document.getRoot().listNodes()) {

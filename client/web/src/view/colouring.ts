@@ -19,6 +19,8 @@ export const COLOUR_WORDS: Record<ColourBy, string> = {
 /** Values of samples and of triangles with the range that colours span. */
 export interface Colouring {
   samples: Float32Array;
+  /** Of each triangle, where that is what is measured. */
+  triangles?: Float32Array;
   low: number;
   high: number;
   /** What the numbers are, for the legend. */
@@ -58,9 +60,10 @@ export function colouring(surface: SampledSurface, by: ColourBy): Colouring | un
     const mean = areas.reduce((sum, a) => sum + a, 0) / areas.length;
     return {
       samples: meanAreaAround(areas, triangles, samples.count).map((a) => a / mean),
+      triangles: areas.map((a) => a / mean),
       low: 0.8,
       high: 1.2,
-      unit: 'area of the triangles around over the mean',
+      unit: 'area over the mean, of triangles and around samples',
       lowWords: '0.8',
       highWords: '1.2',
     };

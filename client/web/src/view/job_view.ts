@@ -37,6 +37,7 @@ export class JobView {
   private faces: Mesh | undefined;
   private wires: LineSegments | undefined;
   private result: SampledSurface | undefined;
+  private smoothFaces = new BufferGeometry();
   private readonly wireLift = { value: 0 };
   private framed = false;
   private layers: Layers = { surface: true, points: true, mesh: true };
@@ -104,6 +105,7 @@ export class JobView {
       geometry.setAttribute('position', new BufferAttribute(samples.positions, 3));
       geometry.setAttribute('normal', new BufferAttribute(samples.normals, 3));
       geometry.setIndex(new BufferAttribute(triangles, 1));
+      this.smoothFaces = geometry;
       this.faces = new Mesh(geometry, new MeshLambertMaterial({ side: DoubleSide }));
       this.faces.visible = false;
       this.stage.add(this.faces);
@@ -123,7 +125,7 @@ export class JobView {
     this.points.colour(colours);
     if (this.faces) {
       const material = this.faces.material as MeshLambertMaterial;
-      if (colours) this.faces.geometry.setAttribute('color', new BufferAttribute(colours, 3));
+      if (chosen && colours) this.paintFaces(this.faces, chosen, colours);
       material.vertexColors = colours !== undefined;
       material.needsUpdate = true;
     }
@@ -162,8 +164,28 @@ export class JobView {
       part?.geometry.dispose();
       (part?.material as MeshLambertMaterial | undefined)?.dispose();
     }
+    this.smoothFaces.dispose();
     this.points.dispose();
     this.stage.dispose();
+  }
+
+  /** Each triangle in a colour of its own where it has a value, else blended between its corners. */
+  private paintFaces(faces: Mesh, chosen: Colouring, colours: Float32Array): void {
+    const { triangles, low, high } = chosen;
+    if (triangles && this.wires) {
+      const flat = this.smoothFaces.toNonIndexed();
+      const ofTriangles = coloursOf(triangles, low, high);
+      const corners = new Float32Array(3 * ofTriangles.length);
+      for (let corner = 0; corner < 3 * triangles.length; ++corner) {
+        const triangle = Math.floor(corner / 3);
+        corners.set(ofTriangles.subarray(3 * triangle, 3 * triangle + 3), 3 * corner);
+      }
+      flat.setAttribute('color', new BufferAttribute(corners, 3));
+      faces.geometry = flat;
+    } else {
+      this.smoothFaces.setAttribute('color', new BufferAttribute(colours, 3));
+      faces.geometry = this.smoothFaces;
+    }
   }
 
   /** Lines that are drawn in front of the surface whose hollows and bulges they cut off. */
