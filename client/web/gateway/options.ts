@@ -28,7 +28,7 @@ Usage: ccst-gateway [OPTIONS]
   --server-tls-ca FILE   the same; who vouches for it (PEM)
   --tls-cert FILE        serve HTTPS with this certificate chain (PEM)
   --tls-key FILE         private key of --tls-cert (PEM)
-  --insecure             let other machines connect without HTTPS
+  --insecure             let other machines connect without HTTPS, and reach the server without TLS
   --allow-host NAME      a name by which browsers call the gateway; may be given again
   --page FOLDER          the built page (beside the program)
   -h, --help             print this
@@ -41,11 +41,11 @@ export function isLoopback(host: string): boolean {
   return host === 'localhost' || host === '::1' || /^127\.\d+\.\d+\.\d+$/.test(host);
 }
 
-function splitAddress(text: string): { host: string; port: number } {
+function splitAddress(flag: string, text: string): { host: string; port: number } {
   const match = /^(?:\[([^\]]+)\]|([^:]+)):(\d+)$/.exec(text);
   const port = Number(match?.[3]);
   if (!match || port > 65535) {
-    throw new UsageError(`--listen ${text}: give HOST:PORT, for example 127.0.0.1:8080`);
+    throw new UsageError(`${flag} ${text}: give HOST:PORT, for example 127.0.0.1:8080`);
   }
   return { host: match[1] ?? match[2] ?? '', port };
 }
@@ -85,7 +85,7 @@ export function parseOptions(args: string[], environment: NodeJS.ProcessEnv): Ga
   }
   if (values.help) return 'help';
 
-  const { host, port } = splitAddress(values.listen);
+  const { host, port } = splitAddress('--listen', values.listen);
   const cert = values['tls-cert'];
   const key = values['tls-key'];
   if ((cert === undefined) !== (key === undefined)) {
@@ -98,10 +98,16 @@ export function parseOptions(args: string[], environment: NodeJS.ProcessEnv): Ga
   }
   const ca = values['server-tls-ca'];
   const scheme = values['server-tls'] || ca !== undefined ? 'https' : 'http';
+  const server = values.server ?? environment['CCST_SERVER'] ?? '127.0.0.1:50051';
+  if (scheme === 'http' && !isLoopback(splitAddress('--server', server).host) && !values.insecure) {
+    throw new UsageError(
+      `--server ${server} is another machine, to which tokens would go unencrypted: give --server-tls, --server-tls-ca or --insecure`,
+    );
+  }
   return {
     host,
     port,
-    server: `${scheme}://${values.server ?? environment['CCST_SERVER'] ?? '127.0.0.1:50051'}`,
+    server: `${scheme}://${server}`,
     serverCa: ca === undefined ? undefined : readPem('--server-tls-ca', ca),
     tls:
       cert === undefined || key === undefined

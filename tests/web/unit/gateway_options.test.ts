@@ -2,13 +2,13 @@ import { expect, test } from 'vitest';
 import { hostAllowed, parseOptions, UsageError } from '../../../client/web/gateway/options';
 
 const parse = (...args: string[]) => {
-  const options = parseOptions(args, { CCST_SERVER: '10.0.0.1:1' });
+  const options = parseOptions(args, { CCST_SERVER: '127.0.0.1:1' });
   if (options === 'help') throw new Error('help');
   return options;
 };
 
 test('Options.Defaults stay on this machine', () => {
-  expect(parse()).toMatchObject({ host: '127.0.0.1', port: 8080, server: 'http://10.0.0.1:1' });
+  expect(parse()).toMatchObject({ host: '127.0.0.1', port: 8080, server: 'http://127.0.0.1:1' });
   expect(parse('--server', 'a:2', '--server-tls').server).toBe('https://a:2');
 });
 
@@ -17,6 +17,8 @@ test.each([
   [['--listen', '8080']],
   [['--listen', '127.0.0.1:99999']],
   [['--tls-cert', 'a.pem']],
+  [['--server', '10.0.0.1:50051']],
+  [['--server', 'nowhere']],
   [['--colour', 'red']],
 ])('Options.%j is refused', (args) => {
   expect(() => parse(...args)).toThrow(UsageError);
