@@ -55,6 +55,16 @@ class CheckIncludes(unittest.TestCase):
         self.refuses("client/lib/a.cc", '#include "core/io/obj.h"', "client/lib must not include core/io")
         self.refuses("server/rpc/a.cc", '#include "client/lib/x.h"', "server/rpc must not include client/lib")
 
+    def test_pages_import_downwards(self):
+        self.accepts("client/web/src/panels/a.ts", "import { a } from '../view/stage';",
+                     "import type { Job } from '@api/job_pb';")
+        self.refuses("client/web/src/view/a.ts", "import { a } from '../panels/b';",
+                     "client/web/src/view must not import client/web/src/panels")
+        self.refuses("client/web/gateway/a.ts", "const b = await import('../src/job/b');",
+                     "client/web/gateway must not import client/web/src/job")
+        self.refuses("client/web/src/pages/a.ts", "import 'three';",
+                     "client/web/src/pages must not import three.js")
+
     def test_libraries_stay_in_their_rooms(self):
         self.refuses("core/sampling/a.cc", "#include <grpcpp/grpcpp.h>", "core/sampling must not include gRPC")
         self.refuses("core/mesh/a.cc", '#include "draco/mesh/mesh.h"', "core/mesh must not include Draco")

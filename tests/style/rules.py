@@ -1,4 +1,4 @@
-"""The architecture as data: which room may include what. Read by check_includes.
+"""The architecture as data: which room may include or import what. Read by check_includes.
 
 Arrows go only downwards: a room may include itself and what its entry reaches. A file that
 needs more is listed by name in FILE_EXCEPTIONS with the reason.
@@ -37,6 +37,22 @@ ROOMS = {
     "client/report": ["client/render", "core/analysis"],
     "client/cli": ["client/lib", "client/report", "core/analysis", "core/io"],
     "client": ["client/cli"],
+    # TypeScript: what a file imports from another room of the page.
+    "client/web/gateway": [],
+    "client/web/src/api": [],
+    "client/web/src/charts": [],
+    "client/web/src/ui": ["client/web/src/api"],
+    "client/web/src/mesh": ["client/web/src/api"],
+    "client/web/src/job": ["client/web/src/mesh"],
+    "client/web/src/export": ["client/web/src/job"],
+    "client/web/src/view": ["client/web/src/job"],
+    "client/web/src/panels": [
+        "client/web/src/charts", "client/web/src/export", "client/web/src/ui", "client/web/src/view",
+    ],
+    "client/web/src/pages": ["client/web/src/panels"],
+    "client/web/src": ["client/web/src/pages"],
+    # Its settings of Vite.
+    "client/web": [],
 }
 
 # Folders that may include any room.
@@ -72,6 +88,9 @@ EXTERNALS = {
     ),
     "OpenSSL": (r"^openssl/", ["core/base", "server/auth"]),
     "Prometheus": (r"^prometheus/", ["server/metrics"]),
+    "three.js": (r"^three(/|$)", ["client/web/src/view", "client/web/src/mesh"]),
+    "uPlot": (r"^uplot", ["client/web/src/charts"]),
+    "Connect": (r"^@connectrpc/", ["client/web/src/api", "client/web/gateway"]),
     "nanoflann": (r"^nanoflann", ["core/spatial", "core/quality"]),
 }
 
