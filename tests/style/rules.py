@@ -69,6 +69,7 @@ EXTERNALS = {
     "OpenSSL": (r"^openssl/", ["core/base", "server/auth"]),
     "Prometheus": (r"^prometheus/", ["server/metrics"]),
     "nanoflann": (r"^nanoflann", ["core/spatial", "core/quality"]),
+    "oneTBB": (r"^(one)?tbb/", ["core/parallel"]),
 }
 
 # (regular expression on code, rooms it must not occur in, why).
