@@ -25,6 +25,15 @@ constexpr double kDensityRest = 0.01;
 /// Bounds a triangle's capacity away from zero in the majoriser's gradient.
 constexpr double kLeastCapacity = 0.05;
 
+/// Fewer samples are one block: they are not worth several threads.
+constexpr std::int32_t kLeastForBlocks = 16384;
+
+/// Vertices of a block: enough that few lie between blocks, few enough that there are many blocks.
+/// Of the number of samples alone, for the order of the visits follows from it.
+std::int32_t BlockSize(std::int32_t count) {
+  return count < kLeastForBlocks ? count : std::clamp(count / 32, 1024, 8192);
+}
+
 /// Square of the cosine between `cross` and `up`, with its sign; -1 where either vanishes.
 double SignedFacing(const Eigen::Vector3d& cross, const Eigen::Vector3d& up) {
   const double dot = cross.dot(up);
@@ -58,13 +67,16 @@ struct GeometryPhase::Ring {
 
 GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, const Plan* plan,
                              Energy energy, const SampleMesh* mesh, Samples* samples,
-                             Interrupt* interrupt)
+                             const Parallel* parallel, Interrupt* interrupt)
     : surface_(*surface),
       density_(*density),
       plan_(*plan),
       energy_(energy),
+      parallel_(*parallel),
       mesh_(*mesh),
-      samples_(*samples) {
+      samples_(*samples),
+      block_size_(BlockSize(samples->count())),
+      blocks_((samples->count() + block_size_ - 1) / std::max(1, block_size_)) {
   scale_.reserve(plan->components.size());
   for (const ComponentPlan& component : plan->components) scale_.push_back(1.0 / component.target);
   active_.assign(samples->count(), 0);
@@ -369,7 +381,8 @@ double GeometryPhase::MoveAlong(std::int32_t v, Ring* ring) {
   return 0.0;
 }
 
-void GeometryPhase::FindSpoiltEdges(std::int32_t v, const Ring& ring) {
+void GeometryPhase::FindSpoiltEdges(std::int32_t v, const Ring& ring,
+                                    std::vector<std::int32_t>* spoilt_edges) const {
   const Eigen::Vector3d& s = samples_.position[v];
   // Around a closed ring every spoke has a triangle on each side; on the boundary the inner ones.
   const bool closed = ring.triangles == ring.neighbours;
@@ -384,32 +397,63 @@ void GeometryPhase::FindSpoiltEdges(std::int32_t v, const Ring& ring) {
     if (cos_a >= 0.0 && cos_b >= 0.0) continue;
     const double sin_a = (s - a).cross(q - a).norm();
     const double sin_b = (s - b).cross(q - b).norm();
-    if (sin_a * cos_b + cos_a * sin_b < 0.0) spoilt_edges_.push_back(ring.half_edge[i]);
+    if (sin_a * cos_b + cos_a * sin_b < 0.0) spoilt_edges->push_back(ring.half_edge[i]);
   }
+}
+
+void GeometryPhase::Visit(std::int32_t v, Ring* ring, Block* block) {
+  const double move =
+      samples_.kind[v] == SampleMesh::Kind::kInterior ? MoveInterior(v, ring) : MoveAlong(v, ring);
+  FindSpoiltEdges(v, *ring, &block->spoilt_edges);
+  if (!(move > 0.0)) return;
+  const double relative = move / ring->spacing;
+  block->largest_move = std::max(block->largest_move, relative);
+  if (relative <= rest) return;
+  moved_[v] = 1;
+  if (!is_outdated_.empty()) is_outdated_[v] = 1;
+  next_[v] = 1;
+  for (int i = 0; i < ring->neighbours; ++i) next_[ring->vertex[i]] = 1;
 }
 
 double GeometryPhase::Pass(Interrupt* interrupt) {
   active_.swap(next_);
   std::fill(next_.begin(), next_.end(), std::uint8_t{0});
-  spoilt_edges_.clear();
+  const auto wants_visit = [&](std::int32_t v) {
+    return active_[v] && samples_.kind[v] != SampleMesh::Kind::kFixed;
+  };
+  parallel_.For(static_cast<std::int64_t>(blocks_.size()), [&, stop = *interrupt](std::int64_t b) {
+    Block& block = blocks_[static_cast<std::size_t>(b)];
+    block.spoilt_edges.clear();
+    block.waiting.clear();
+    block.largest_move = 0.0;
+    if (Interrupt(stop).Requested()) return;
+    const auto first = static_cast<std::int32_t>(b) * block_size_;
+    const std::int32_t end = std::min(first + block_size_, samples_.count());
+    Ring ring;
+    for (std::int32_t v = first; v < end; ++v) {
+      if (!wants_visit(v) || !Gather(v, &ring)) continue;
+      const bool is_inside = std::all_of(ring.vertex.begin(), ring.vertex.begin() + ring.neighbours,
+                                         [&](std::int32_t u) { return u >= first && u < end; });
+      if (is_inside) {
+        Visit(v, &ring, &block);
+      } else {
+        block.waiting.push_back(v);
+      }
+    }
+  });
+  between_.spoilt_edges.clear();
+  between_.largest_move = 0.0;
   Ring ring;
-  double largest = 0.0;
-  for (std::int32_t v = 0; v < samples_.count(); ++v) {
-    if (interrupt->RequestedAt(v)) break;
-    if (!active_[v] || samples_.kind[v] == SampleMesh::Kind::kFixed || !Gather(v, &ring)) continue;
-    const double move = samples_.kind[v] == SampleMesh::Kind::kInterior ? MoveInterior(v, &ring)
-                                                                        : MoveAlong(v, &ring);
-    FindSpoiltEdges(v, ring);
-    if (!(move > 0.0)) continue;
-    const double relative = move / ring.spacing;
-    largest = std::max(largest, relative);
-    if (relative <= rest) continue;
-    moved_[v] = 1;
-    if (!is_outdated_.empty()) is_outdated_[v] = 1;
-    next_[v] = 1;
-    for (int i = 0; i < ring.neighbours; ++i) next_[ring.vertex[i]] = 1;
+  for (const Block& block : blocks_) {
+    between_.spoilt_edges.insert(between_.spoilt_edges.end(), block.spoilt_edges.begin(),
+                                 block.spoilt_edges.end());
+    between_.largest_move = std::max(between_.largest_move, block.largest_move);
+    if (interrupt->Requested()) continue;
+    for (const std::int32_t v : block.waiting) {
+      if (Gather(v, &ring)) Visit(v, &ring, &between_);
+    }
   }
-  return largest;
+  return between_.largest_move;
 }
 
 }  // namespace ccst

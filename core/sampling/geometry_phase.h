@@ -5,6 +5,7 @@
 
 #include "core/base/interrupt.h"
 #include "core/density/density.h"
+#include "core/parallel/parallel.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/sample_mesh.h"
 #include "core/sampling/samples.h"
@@ -26,12 +27,18 @@ namespace ccst {
 /// Source: Xu et al. 2012, sections 3.3, 3.4 and appendices A, B, with the errata.
 class GeometryPhase {
  public:
+  /// @param parallel   threads to work on; like the others not owned.
   /// @param interrupt  may be null; once requested, densities count as 1 until they are updated.
   GeometryPhase(const Surface* surface, const Density* density, const Plan* plan, Energy energy,
-                const SampleMesh* mesh, Samples* samples, Interrupt* interrupt = nullptr);
+                const SampleMesh* mesh, Samples* samples, const Parallel* parallel,
+                Interrupt* interrupt = nullptr);
 
   /// Visits every active vertex once. A vertex is active when it or a neighbour moved by more than
   /// a small part of the spacing since its last visit, or when Activate() named it.
+  /// Vertices are visited block by block of consecutive indices, which are near each other. Blocks
+  /// run side by side: a vertex whose neighbours are all of its block sees and changes nothing of
+  /// the others. The rest, between the blocks, comes after them, one by one. So the order, and with
+  /// it every bit, depends on the number of samples alone.
   /// Ends early, every vertex either moved or not, when `interrupt` is requested.
   /// @return the largest move in units of the local spacing. Cost O(active vertices).
   double Pass(Interrupt* interrupt);
@@ -52,7 +59,7 @@ class GeometryPhase {
 
   /// Half-edges that were not locally Delaunay when the last pass left one of their ends; may
   /// repeat. An edge spoilt by a later move is found when its own end is visited next.
-  const std::vector<std::int32_t>& spoilt_edges() const { return spoilt_edges_; }
+  const std::vector<std::int32_t>& spoilt_edges() const { return between_.spoilt_edges; }
 
   /// Vertices that moved since the last call of ClearMoved().
   const std::vector<std::uint8_t>& moved() const { return moved_; }
@@ -74,6 +81,14 @@ class GeometryPhase {
 
  private:
   struct Ring;
+  // What a pass over one block leaves.
+  struct Block {
+    std::vector<std::int32_t> spoilt_edges;
+    std::vector<std::int32_t> waiting;  // Active, with a neighbour in another block.
+    double largest_move = 0.0;          // [local spacing]
+  };
+  // Moves vertex `v`, whose ring is gathered, and notes in `block` what that changed.
+  void Visit(std::int32_t v, Ring* ring, Block* block);
   bool Gather(std::int32_t v, Ring* ring) const;
   /// Sets the energy, facing and spacing of `ring` around a vertex at `s` with normal `n`, and
   /// calls add_edge(opposite edge, weight) for each triangle. @return half the energy's gradient,
@@ -86,17 +101,21 @@ class GeometryPhase {
   bool Evaluate(const Ring& ring, const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
                 double* energy) const;
 
-  void FindSpoiltEdges(std::int32_t v, const Ring& ring);
+  void FindSpoiltEdges(std::int32_t v, const Ring& ring,
+                       std::vector<std::int32_t>* spoilt_edges) const;
   double MeanDensity(std::int32_t t) const;
 
   const Surface& surface_;
   const Density& density_;
   const Plan& plan_;
   const Energy energy_;
+  const Parallel& parallel_;
   const SampleMesh& mesh_;
   Samples& samples_;
   std::vector<double> scale_;  // Per component: 1 / C*.
-  std::vector<std::int32_t> spoilt_edges_;
+  std::int32_t block_size_ = 0;
+  std::vector<Block> blocks_;
+  Block between_;  // Of all blocks together, and of what lies between them.
   std::vector<std::uint8_t> active_;
   std::vector<std::uint8_t> next_;
   std::vector<std::uint8_t> moved_;

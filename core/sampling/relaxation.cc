@@ -58,7 +58,8 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
                        const std::function<void(const AlternationReport&)>& report,
                        Interrupt* interrupt, Interrupt* stop, SampleMesh* mesh, Samples* samples) {
   RelaxationReport result;
-  GeometryPhase geometry(&surface, &density, &plan, options.energy, mesh, samples, stop);
+  const Parallel parallel(options.thread_count);
+  GeometryPhase geometry(&surface, &density, &plan, options.energy, mesh, samples, &parallel, stop);
   EdgeFlips flips(mesh, &samples->position, &samples->normal);
   const Coverage coverage(&surface, &density, &plan, stop);
   Projection projection(&surface, 0.5 * plan.spacing);

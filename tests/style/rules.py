@@ -92,6 +92,7 @@ EXTERNALS = {
     "uPlot": (r"^uplot", ["client/web/src/charts"]),
     "Connect": (r"^@connectrpc/", ["client/web/src/api", "client/web/gateway"]),
     "nanoflann": (r"^nanoflann", ["core/spatial", "core/quality"]),
+    "oneTBB": (r"^(one)?tbb/", ["core/parallel"]),
 }
 
 # (regular expression on code, rooms it must not occur in, why).

@@ -113,7 +113,7 @@ TEST(DensitySampling, StepMinimisesSquaredCapacities) {
     }
     Interrupt never;
     GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kSquaredArea,
-                           &start.mesh, &start.samples);
+                           &start.mesh, &start.samples, &sampling_test::kOneThread);
     geometry.stretch = 1.0;
     geometry.rest = 1e-9;
     const auto energy_at = [&](const Eigen::Vector3d& p) {
@@ -148,7 +148,7 @@ TEST(DensitySampling, EnergyNeverRisesInAGeometryPhase) {
   DensityStart start(mesh, PlaneRamp(mesh), 600);
   Interrupt never;
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
-                         &start.samples);
+                         &start.samples, &sampling_test::kOneThread);
   double last = geometry.MeasureCapacities().energy;
   for (int pass = 0; pass < 20; ++pass) {
     geometry.Pass(&never);

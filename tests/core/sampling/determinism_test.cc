@@ -52,6 +52,19 @@ TEST(Determinism, ClosedSurfaceGivesTheSameBits) {
   ExpectTheSameBits(shapes::Torus(1, 0.35, 60, 24), 700);
 }
 
+// So many that passes work on blocks side by side.
+TEST(Determinism, ManySamplesGiveTheSameBits) {
+  SamplingOptions options;
+  options.sample_count = 40000;
+  options.max_iterations = 4;
+  const TriangleMesh mesh = shapes::Torus(1, 0.35, 60, 24);
+  const SamplingResult base = *SampleSurface(mesh, options);
+  for (const int threads : {2, 3}) {
+    options.thread_count = threads;
+    EXPECT_EQ(FindDifference(base, *SampleSurface(mesh, options)), "") << threads << " threads";
+  }
+}
+
 TEST(Determinism, OpenSurfaceGivesTheSameBits) {
   ExpectTheSameBits(shapes::SphereWithHole(0.8, 30, 40), 500);
 }

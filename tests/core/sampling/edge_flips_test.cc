@@ -44,7 +44,7 @@ Start Moved(const TriangleMesh& mesh, std::int64_t count) {
   Interrupt never;
   Start start = *MakeStart(mesh, count, 5);
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
-                         &start.samples);
+                         &start.samples, &sampling_test::kOneThread);
   for (int pass = 0; pass < 10; ++pass) geometry.Pass(&never);
   return start;
 }
@@ -130,7 +130,7 @@ TEST(EdgeFlips, SpoiltEdgesOfThePassesAreEnough) {
   Start start = *MakeStart(shapes::Torus(1, 0.4, 80, 40), 1500, 5);
   EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
-                         &start.samples);
+                         &start.samples, &sampling_test::kOneThread);
   for (int round = 0; round < 40; ++round) {
     geometry.Pass(&never);
     flips.touched.clear();

@@ -65,7 +65,7 @@ Start OneFree(const TriangleMesh& mesh, std::int64_t count, std::int32_t* v, int
   Interrupt never;
   Start start = *MakeStart(mesh, count, 3);
   GeometryPhase settle(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
-                       &start.samples);
+                       &start.samples, &sampling_test::kOneThread);
   for (int pass = 0; pass < 2; ++pass) settle.Pass(&never);
   *v = InnerSamples(start, which + 1).back();
   for (std::int32_t u = 0; u < start.samples.count(); ++u) {
@@ -112,7 +112,7 @@ void ExpectNewtonStep(const TriangleMesh& mesh, std::int64_t count, double k1, d
     // Longer steps are cut short.
     if (expected.norm() > 0.3 * spacing) continue;
     GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kSquaredArea,
-                           &start.mesh, &start.samples);
+                           &start.mesh, &start.samples, &sampling_test::kOneThread);
     geometry.stretch = 1.0;
     geometry.rest = 1e-9;
     geometry.Pass(&never);
@@ -145,7 +145,7 @@ void ExpectMinimum(const TriangleMesh& mesh, std::int64_t count, Energy energy, 
     Start start = OneFree(mesh, count, &v, which);
     const double before = RingEnergy(start, v, start.samples.position[v], energy);
     GeometryPhase geometry(&start.surface, &start.density, &start.plan, energy, &start.mesh,
-                           &start.samples);
+                           &start.samples, &sampling_test::kOneThread);
     geometry.rest = 1e-7;
     for (int pass = 0; pass < 60; ++pass) geometry.Pass(&never);
     const Eigen::Vector3d s = start.samples.position[v];
@@ -203,7 +203,7 @@ TEST(GeometryPhase, EnergyNeverRises) {
         SCOPED_TRACE(shape.name);
         Start start = *MakeStart(shape.mesh, 500, seed);
         GeometryPhase geometry(&start.surface, &start.density, &start.plan, energy, &start.mesh,
-                               &start.samples);
+                               &start.samples, &sampling_test::kOneThread);
         double last = geometry.MeasureCapacities().energy;
         const double first = last;
         for (int pass = 0; pass < 25; ++pass) {
@@ -218,6 +218,26 @@ TEST(GeometryPhase, EnergyNeverRises) {
   }
 }
 
+TEST(GeometryPhase, BlocksSideBySideVisitEverySample) {
+  Interrupt never;
+  Start start = *MakeStart(shapes::Torus(1, 0.35, 60, 24), 20000, 1);
+  const std::vector<Eigen::Vector3d> before = start.samples.position;
+  const Parallel parallel(2);
+  GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
+                         &start.samples, &parallel);
+  double last = geometry.MeasureCapacities().energy;
+  for (int pass = 0; pass < 5; ++pass) {
+    EXPECT_GT(geometry.Pass(&never), 0.0);
+    const double now = geometry.MeasureCapacities().energy;
+    EXPECT_LE(now, last * (1.0 + 1e-12));
+    last = now;
+  }
+  // Of white noise next to none is where it should be.
+  std::int64_t moved = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) moved += before[i] != start.samples.position[i];
+  EXPECT_GT(moved, 19900);
+}
+
 TEST(GeometryPhase, PassesTurnNoTriangleOver) {
   Interrupt never;
   for (const Named& shape : Surfaces()) {
@@ -227,7 +247,7 @@ TEST(GeometryPhase, PassesTurnNoTriangleOver) {
     const std::int64_t before =
         quality::CountTurnedOver(start.samples.position, start.samples.normal, triangles);
     GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
-                           &start.mesh, &start.samples);
+                           &start.mesh, &start.samples, &sampling_test::kOneThread);
     for (int pass = 0; pass < 20; ++pass) geometry.Pass(&never);
     EXPECT_LE(quality::CountTurnedOver(start.samples.position, start.samples.normal, triangles),
               before);
@@ -241,7 +261,7 @@ TEST(GeometryPhase, SamplesStayOnTheSurfaceAndOnTheirLoops) {
     Start start = *MakeStart(shape.mesh, 400, 1);
     const Samples before = start.samples;
     GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
-                           &start.mesh, &start.samples);
+                           &start.mesh, &start.samples, &sampling_test::kOneThread);
     for (int pass = 0; pass < 10; ++pass) geometry.Pass(&never);
     const Samples& now = start.samples;
     for (std::int32_t v = 0; v < now.count(); ++v) {
@@ -269,7 +289,7 @@ TEST(GeometryPhase, SpreadAgreesWithTheQualityRoom) {
   const Start made = *MakeStart(shapes::Icosphere(3), 700, 2);
   Start start = made;
   const GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
-                               &start.mesh, &start.samples);
+                               &start.mesh, &start.samples, &sampling_test::kOneThread);
   const quality::CapacityFigures figures =
       quality::MeasureCapacities(start.samples.position, Triangles(start.mesh));
   EXPECT_NEAR(geometry.MeasureCapacities().cv, figures.cv, 1e-9);
@@ -282,7 +302,7 @@ TEST(GeometryPhase, OnlyActiveSamplesMove) {
   Interrupt never;
   Start start = *MakeStart(shapes::Icosphere(3), 500, 2);
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
-                         &start.samples);
+                         &start.samples, &sampling_test::kOneThread);
   geometry.DeactivateAll();
   const std::vector<Eigen::Vector3d> before = start.samples.position;
   EXPECT_EQ(geometry.Pass(&never), 0.0);
@@ -305,7 +325,7 @@ TEST(GeometryPhase, ManyPassesAndNoFlipsComeToRest) {
   Interrupt never;
   Start start = *MakeStart(shapes::Icosphere(3), 300, 2);
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
-                         &start.samples);
+                         &start.samples, &sampling_test::kOneThread);
   int passes = 0;
   while (passes < 2000 && geometry.Pass(&never) > 0.0) ++passes;
   EXPECT_LT(passes, 2000);

@@ -76,7 +76,7 @@ TEST(Relocate, KeepsCountsTopologyAndHosts) {
     Start start = *MakeStart(meshes[m], 900, m);
     const quality::MeshTopology before = sampling_test::Topology(start.mesh);
     GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
-                           &start.mesh, &start.samples);
+                           &start.mesh, &start.samples, &sampling_test::kOneThread);
     Projection projection(&start.surface, 0.5 * start.plan.spacing);
     EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
     const std::vector<Defect> defects = Find(start, kLimits);
@@ -107,7 +107,7 @@ TEST(Relocate, KeepsCountsTopologyAndHosts) {
 TEST(Relocate, UncoveredPlaceGetsASample) {
   Start start = *MakeStart(shapes::Icosphere(3), 400, 1);
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
-                         &start.samples);
+                         &start.samples, &sampling_test::kOneThread);
   Projection projection(&start.surface, 0.5 * start.plan.spacing);
   EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
   // The surface's vertex nearest the middle of the largest triangle.
@@ -136,7 +136,7 @@ TEST(Relocate, UncoveredPlaceGetsASample) {
 TEST(Relocate, NothingToDoChangesNothing) {
   Start start = *MakeStart(shapes::Icosphere(3), 400, 1);
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
-                         &start.samples);
+                         &start.samples, &sampling_test::kOneThread);
   Projection projection(&start.surface, 0.5 * start.plan.spacing);
   EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
   const std::vector<std::int32_t> before = start.mesh.origin;

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "core/density/density.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/parallel/parallel.h"
 #include "core/quality/mesh_topology.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/sample_mesh.h"
@@ -20,6 +21,9 @@
 namespace ccst::sampling_test {
 
 /// A surface with its initial samples and their triangulation.
+/// Where the number of threads does not matter.
+inline const Parallel kOneThread;
+
 struct Start {
   Surface surface;
   Density density;
