@@ -17,7 +17,7 @@
 namespace ccst {
 
 /// Changes whenever equal requests may give other samples.
-inline constexpr int kAlgorithmRevision = 2;
+inline constexpr int kAlgorithmRevision = 3;
 
 /// Smallest and largest `SamplingOptions::sample_count`.
 inline constexpr std::int64_t kMinSampleCount = 4;

@@ -1,4 +1,5 @@
 include(CMakeFindDependencyMacro)
 find_dependency(absl)
 find_dependency(Eigen3 3.4)
+find_dependency(TBB)
 include("${CMAKE_CURRENT_LIST_DIR}/ccst-targets.cmake")

@@ -17,6 +17,7 @@
 #include "core/base/interrupt.h"
 #include "core/base/status.h"
 #include "core/io/mesh_file.h"
+#include "core/parallel/parallel.h"
 #include "core/sampling/edge_flips.h"
 #include "core/sampling/geometry_phase.h"
 #include "core/sampling/initial_mesh.h"
@@ -84,8 +85,9 @@ absl::Status Run(const Options& options) {
     return WritePicture(start, mesh, options.pictures + std::to_string(phase) + moment + ".png");
   };
 
+  const Parallel one_thread;
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, options.energy, &mesh,
-                         &start.samples);
+                         &start.samples, &one_thread);
   geometry.stretch = 1.0;  // The minimiser as it is.
   geometry.rest = 1e-3;
   EdgeFlips flips(&mesh, &start.samples.position, &start.samples.normal);
