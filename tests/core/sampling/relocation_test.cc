@@ -150,7 +150,7 @@ TEST(Relocate, NothingToDoChangesNothing) {
 TEST(Relocate, StopLeavesEverySampleWhereItIs) {
   Start start = *MakeStart(shapes::Torus(1, 0.35, 60, 24), 900, 1);
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
-                         &start.samples);
+                         &start.samples, &sampling_test::kOneThread);
   Projection projection(&start.surface, 0.5 * start.plan.spacing);
   EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
   const std::vector<Defect> defects = Find(start, kLimits);
