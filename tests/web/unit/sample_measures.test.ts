@@ -24,7 +24,8 @@ function searched(positions: Float32Array): number[] {
     for (let j = 0; j < count; ++j) {
       if (i === j) continue;
       const [p, q] = [point(i), point(j)];
-      best = Math.min(best, Math.hypot(...[0, 1, 2].map((k) => (p[k] ?? 0) - (q[k] ?? 0))));
+      const squares = [0, 1, 2].map((k) => ((p[k] ?? 0) - (q[k] ?? 0)) ** 2);
+      best = Math.min(best, Math.sqrt(squares.reduce((sum, square) => sum + square)));
     }
     return Math.fround(best);
   });
