@@ -36,7 +36,7 @@ nlohmann::json Converge(Start start, SampleMesh mesh) {
   options.sample_count = start.samples.count();
   const RelaxationReport report = Relax(
       start.surface, start.density, start.plan, options, [](const AlternationReport&) {}, &never,
-      &mesh, &start.samples);
+      &never, &mesh, &start.samples);
   const SampleSet set = MakeSampleSet(start, mesh);
   nlohmann::json row = ReportFigures(start.surface, {&set, 1});
   row.erase("radial_mean");  // Of one set each: too long to print.

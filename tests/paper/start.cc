@@ -40,7 +40,7 @@ absl::StatusOr<Start> DrawStart(const TriangleMesh& mesh, std::int64_t count, st
   CCST_ASSIGN_OR_RETURN(Plan plan, MakePlan(surface, uniform, {}, count, seed, &smallest));
   Samples samples;
   if (points == Points::kStrata) {
-    samples = DrawInitialPoints(surface, uniform, plan, seed);
+    CCST_ASSIGN_OR_RETURN(samples, DrawInitialPoints(surface, uniform, plan, seed, &never));
   } else {
     Density uneven = uniform;
     if (points == Points::kUneven) {
