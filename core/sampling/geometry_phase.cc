@@ -26,7 +26,7 @@ constexpr double kDensityRest = 0.01;
 constexpr double kLeastCapacity = 0.05;
 
 /// Fewer samples are one block: they are not worth several threads.
-constexpr std::int32_t kLeastForBlocks = 16384;
+constexpr std::int32_t kLeastForBlocks = 32768;
 
 /// Vertices of a block: enough that few lie between blocks, few enough that there are many blocks.
 /// Of the number of samples alone, for the order of the visits follows from it.

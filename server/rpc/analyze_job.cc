@@ -17,7 +17,7 @@ namespace {
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 // Curves over the sample mesh, which lies on the surface and is at hand where the mesh that was
-// sampled may be gone. A surface it always is: the sampler made it.
+// sampled may be gone. One whose samples all lie on a line is no surface and has none.
 absl::Status AddCurves(const std::vector<Eigen::Vector3d>& positions,
                        const std::vector<Eigen::Vector3i>& triangles,
                        v1::AnalyzeJobResponse& response) {
@@ -54,7 +54,8 @@ absl::StatusOr<v1::AnalyzeJobResponse> Analyze(const JobSupport& support, const 
   response.set_valence_5_7_share(
       quality::MeasureValences(stored->sample_count(), mesh.triangles).share_5_to_7);
   if (job.spec().options.density.source == DensitySource::kUniform) {
-    CCST_RETURN_IF_ERROR(AddCurves(samples.positions, mesh.triangles, response));
+    const absl::Status curves = AddCurves(samples.positions, mesh.triangles, response);
+    if (!curves.ok() && GetErrorReason(curves) != ErrorReason::kMeshEmpty) return curves;
   }
   return response;
 }

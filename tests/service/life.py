@@ -51,9 +51,10 @@ def live(client, report):
                           sampling_service_pb2.AnalyzeJobRequest(name=job.name))
     report.check(figures.relative_radius > 0.6 and figures.capacity_cv < 0.1,
                  f"analysis: radius {figures.relative_radius:.3f}, cv {figures.capacity_cv:.4f}")
-    low = [y for x, y in zip(figures.power_spectrum.x, figures.power_spectrum.y) if x < 0.4]
-    report.check(low and max(low) < 0.1 and max(figures.radial_mean.y) > 1.5,
-                 f"curves: power below 0.4 at most {max(low, default=1):.3f}")
+    power = figures.power_spectrum
+    high = [y for x, y in zip(power.x, power.y) if x > 4]
+    report.check(high and abs(sum(high) / len(high) - 1) < 0.1 and max(figures.radial_mean.y) > 1.5,
+                 f"curves: mean power of high frequencies {sum(high) / max(1, len(high)):.3f}")
 
     listed = client.call(client.jobs.ListJobs, sampling_service_pb2.ListJobsRequest(
         labels={"kind": "test"}, mesh=mesh.name))

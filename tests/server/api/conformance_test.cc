@@ -316,6 +316,10 @@ class Conformance : public testing::TestWithParam<std::tuple<bool, Case>> {};
 
 TEST_P(Conformance, AnswersAsDocumented) {
   const auto& [in_process, c] = GetParam();
+  if (in_process && c.method == "UploadMesh" && c.what == "ofAHeldOne") {
+    // server/docs/known-weaknesses.md
+    GTEST_SKIP() << "without a connection, an answer before the last message does not arrive";
+  }
   World world(in_process);
   const grpc::Status status = c.call(world);
   EXPECT_EQ(status.error_code(), c.code) << status.error_message();
