@@ -62,6 +62,7 @@ absl::StatusOr<report::Row> Judge(const SampleGroup& group, const GivenSurface* 
   row.name = group.name;
   row.count = static_cast<std::int64_t>(files.front().positions.size());
   std::vector<analysis::SampleSetView> sets;
+  sets.reserve(files.size());
   for (const TriangleMesh& file : files) sets.push_back({file.positions, file.faces});
   if (given != nullptr) {
     row.figures = analysis::MeasureSamples(given->reference, sets);

@@ -55,7 +55,8 @@ Eigen::Vector3d FaceParts::Centroid(std::int32_t face, std::int64_t part) const 
   const std::int64_t along = index - (k * k - left * left);
   const double offset = along % 2 == 0 ? 1.0 / 3.0 : 2.0 / 3.0;
   const double u = (static_cast<double>(row) + offset) / static_cast<double>(k);
-  const double v = (static_cast<double>(along / 2) + offset) / static_cast<double>(k);
+  const std::int64_t across = along / 2;
+  const double v = (static_cast<double>(across) + offset) / static_cast<double>(k);
   return {u, v, 1.0 - u - v};
 }
 

@@ -131,7 +131,7 @@ class Sum {
                std::span<const Eigen::Vector3i> triangles,
                const std::vector<SurfacePoint>& points) {
     const bool first = !figures_.mesh.has_value();
-    if (first) figures_.mesh.emplace();
+    if (first) figures_.mesh = SampleFigures::Mesh();
     SampleFigures::Mesh& mesh = *figures_.mesh;
     const std::vector<double> densities = DensitiesOf(triangles, points);
     const quality::CapacityFigures capacity =
