@@ -94,9 +94,8 @@ absl::StatusOr<std::vector<report::Row>> JudgeAll(const AnalyzeCommand& command)
   }
   std::vector<report::Row> rows;
   for (const SampleGroup& group : command.groups) {
-    CCST_ASSIGN_OR_RETURN(
-        report::Row row,
-        Judge(group, given.has_value() ? &*given : nullptr, !command.html_path.empty()));
+    CCST_ASSIGN_OR_RETURN(report::Row row, Judge(group, given.has_value() ? &*given : nullptr,
+                                                 !command.html_path.empty()));
     if (!row.figures.has_value()) {
       std::fprintf(stderr,
                    "%s has no faces: nothing but the count is known without --surface MESH\n",

@@ -118,9 +118,9 @@ struct Done {
   int exit_code = 0;
 };
 
-using Command = std::variant<Done, SampleCommand, InfoCommand, UploadCommand, MeshesCommand,
-                             JobsCommand, WatchCommand, CancelCommand, DeleteCommand, FetchCommand,
-                             AnalyzeCommand>;
+using Command =
+    std::variant<Done, SampleCommand, InfoCommand, UploadCommand, MeshesCommand, JobsCommand,
+                 WatchCommand, CancelCommand, DeleteCommand, FetchCommand, AnalyzeCommand>;
 
 /// What `--method` calls it.
 std::string MethodName(SamplingMethod method);

@@ -17,8 +17,7 @@ constexpr std::int64_t kMaxTextureBytes = std::int64_t{256} << 20;
 }  // namespace
 
 absl::Status ReadTexture(const std::string& path, DensityOptions& density) {
-  CCST_ASSIGN_OR_RETURN(std::string bytes,
-                        io::ReadWholeFile(path, kMaxTextureBytes));
+  CCST_ASSIGN_OR_RETURN(std::string bytes, io::ReadWholeFile(path, kMaxTextureBytes));
   absl::StatusOr<Image> image = DecodeImage(bytes);
   if (!image.ok()) {
     return MakeError(image.status().code(),

@@ -40,10 +40,9 @@ Json ToJson(const Row& row) {
   json["name"] = row.name;
   json["count"] = row.count;
   if (!row.figures.has_value()) {
-    for (const char* key :
-         {"sets", "relative_radius", "relative_radius_same_side", "mean_nearest_distance",
-          "radial_mean", "anisotropy", "power_spectrum", "effective_nyquist", "oscillation",
-          "density_fidelity", "histograms"}) {
+    for (const char* key : {"sets", "relative_radius", "relative_radius_same_side",
+                            "mean_nearest_distance", "radial_mean", "anisotropy", "power_spectrum",
+                            "effective_nyquist", "oscillation", "density_fidelity", "histograms"}) {
       json[key] = nullptr;
     }
     AddMesh(std::nullopt, json);

@@ -53,9 +53,9 @@ std::string ToPage(std::span<const Row> rows) {
     page.replace(page.find(mark), mark.size(), text);
   };
   const std::string json = ToJson(rows);
-  fill("/*DATA*/", "const sets = [].concat(" + InScript(json) + ");\nconst table = " +
-                       InScript(TableJson(rows).dump()) + ";\nconst pictures = " +
-                       InScript(pictures.dump()) + ";");
+  fill("/*DATA*/", "const sets = [].concat(" + InScript(json) +
+                       ");\nconst table = " + InScript(TableJson(rows).dump()) +
+                       ";\nconst pictures = " + InScript(pictures.dump()) + ";");
   fill("/*PAGE*/", kPageScript);
   fill("/*CHART*/", kChartScript);
   return page;

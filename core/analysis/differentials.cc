@@ -26,8 +26,8 @@ constexpr std::size_t kMostCells = 1u << 16;
 struct Content {
   struct Item {
     Eigen::Vector3d weights;
-    double spacing;    // 1 / sqrt(density) there [unit].
-    double samples;    // That white noise would have there; 0 for a sample.
+    double spacing;      // 1 / sqrt(density) there [unit].
+    double samples;      // That white noise would have there; 0 for a sample.
     std::int32_t index;  // Of a sample, else -1.
   };
   std::vector<Item> items;
@@ -124,9 +124,8 @@ void Differentials::AddSurface(const Surface& surface, const Density& density,
   GeodesicDisc disc(surface);
   for (std::size_t i = 0; i < samples.size(); i += stride) {
     const SurfacePoint& center = samples[i];
-    const double spacing =
-        std::sqrt(surface.area() / count / density.At(center.face, center.weights,
-                                                      surface.area() / count));
+    const double spacing = std::sqrt(
+        surface.area() / count / density.At(center.face, center.weights, surface.area() / count));
     const double radius = margin * reach_ * spacing;
     centers_ += 1.0;
     for (const FlatFace& flat : disc.Unfold(center, radius)) {
@@ -158,7 +157,8 @@ void Differentials::AddTorus(std::span<const Eigen::Vector2d> positions,
   std::vector<Eigen::Vector2d> sorted;
   sorted.reserve(positions.size());
   for (const Eigen::Vector2d& p : positions) {
-    sorted.push_back((p.array() - (p.array() / extents.array()).floor() * extents.array()).matrix());
+    sorted.push_back(
+        (p.array() - (p.array() / extents.array()).floor() * extents.array()).matrix());
   }
   std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
     return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
@@ -181,8 +181,7 @@ void Differentials::AddTorus(std::span<const Eigen::Vector2d> positions,
   for (std::size_t bin = 0; bin < expected_.size(); ++bin) {
     const double from = static_cast<double>(bin) * kBinWidth;
     if (from + kBinWidth > reach * unit * (1.0 + 1e-9)) break;
-    expected_[bin] +=
-        static_cast<double>(count) * kPi * kBinWidth * (2.0 * from + kBinWidth);
+    expected_[bin] += static_cast<double>(count) * kPi * kBinWidth * (2.0 * from + kBinWidth);
   }
 }
 

@@ -53,7 +53,8 @@ class Differentials {
   int sets() const { return sets_; }
 
   /// Density of samples at a distance over the mean one: the radial mean of the distribution, which
-  /// is the pair correlation function. x in spacings, y >= 0; 1 for white noise. Bins of kMeanWidth.
+  /// is the pair correlation function. x in spacings, y >= 0; 1 for white noise. Bins of
+  /// kMeanWidth.
   /// @param width  of the bins in spacings, a multiple of kBinWidth.
   Curve RadialMean(double width = kMeanWidth) const;
 

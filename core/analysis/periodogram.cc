@@ -71,8 +71,8 @@ std::vector<Periodogram::Ring> Periodogram::Rings() const {
   for (const Sums& s : sums) {
     if (s.count < 2.0) continue;
     const double mean = s.power / s.count;
-    rings.push_back({s.frequency / s.count, mean,
-                     (s.squares - s.count * mean * mean) / (s.count - 1.0)});
+    rings.push_back(
+        {s.frequency / s.count, mean, (s.squares - s.count * mean * mean) / (s.count - 1.0)});
   }
   return rings;
 }

@@ -165,8 +165,8 @@ class Sum {
       }
     }
     if (!options_.surface_distance) return;
-    const quality::SurfaceDistanceFigures distance = quality::MeasureSurfaceDistance(
-        reference_.mesh(), reference_.tree(), positions, triangles);
+    const quality::SurfaceDistanceFigures distance =
+        quality::MeasureSurfaceDistance(reference_.mesh(), reference_.tree(), positions, triangles);
     const double diagonal = reference_.surface().diagonal();
     mesh.hausdorff = mesh.hausdorff.value_or(0.0) + share_ * distance.hausdorff / diagonal;
     mesh.rms = mesh.rms.value_or(0.0) + share_ * distance.rms / diagonal;

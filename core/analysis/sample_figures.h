@@ -47,7 +47,7 @@ struct SampleFigures {
     double share_above_90 = 0.0;
     double q_min = 0.0;
     double q_mean = 0.0;
-    double valence_5_7 = 0.0;  ///< Share in [0, 1].
+    double valence_5_7 = 0.0;         ///< Share in [0, 1].
     std::optional<double> hausdorff;  ///< Over the diagonal, as rms; see MeasureSurfaceDistance().
     std::optional<double> rms;
     Curve angles;      ///< Share of the angles [degree].

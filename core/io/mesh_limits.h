@@ -12,7 +12,7 @@ struct MeshLimits {
   /// What a Draco decoder may allocate, estimated from the announced counts; also what the
   /// attributes of a glTF file may take.
   std::int64_t max_decoded_bytes = std::int64_t{2} << 30;
-  std::int64_t min_faces = 1;  ///< 0: points alone will do.
+  std::int64_t min_faces = 1;                      ///< 0: points alone will do.
   std::int64_t max_bytes = std::int64_t{2} << 30;  ///< Encoded size.
 };
 

@@ -44,8 +44,7 @@ absl::StatusOr<TriangleMesh> ReadLines(const std::string& text, bool is_table) {
     const auto stripped = absl::StripAsciiWhitespace(line);
     if (stripped.empty() || stripped.front() == '#') continue;
     std::vector<std::string> fields;
-    for (const auto& field :
-         absl::StrSplit(stripped, absl::ByAnyChar(is_table ? ",;" : " \t,"))) {
+    for (const auto& field : absl::StrSplit(stripped, absl::ByAnyChar(is_table ? ",;" : " \t,"))) {
       const std::string token(absl::StripAsciiWhitespace(field));
       if (is_table || !token.empty()) fields.push_back(token);
     }
@@ -61,7 +60,8 @@ absl::StatusOr<TriangleMesh> ReadLines(const std::string& text, bool is_table) {
       const std::optional<double> value =
           columns[axis] < fields.size() ? io::ParseDouble(fields[columns[axis]]) : std::nullopt;
       if (!value.has_value() || !std::isfinite(*value)) {
-        return io::Unreadable(absl::StrCat("line ", number, ": want three finite numbers x y z, got ",
+        return io::Unreadable(absl::StrCat("line ", number,
+                                           ": want three finite numbers x y z, got ",
                                            io::Quoted({stripped.data(), stripped.size()})));
       }
       position[static_cast<Eigen::Index>(axis)] = *value;

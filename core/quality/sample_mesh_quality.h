@@ -22,9 +22,9 @@ struct AngleFigures {
 AngleFigures MeasureAngles(std::span<const Eigen::Vector3d> positions,
                            std::span<const Eigen::Vector3i> triangles);
 
-/// How near triangles are to equilateral: Q = 2 sqrt(3) r / h, r the radius of the inscribed circle,
-/// h the longest side; 1 for an equilateral triangle, 0 for one without area.
-/// Source: Frey, Borouchaki, "Surface mesh evaluation", IMR 1997, as used by Xu et al. 2012.
+/// How near triangles are to equilateral: Q = 2 sqrt(3) r / h, r the radius of the inscribed
+/// circle, h the longest side; 1 for an equilateral triangle, 0 for one without area. Source: Frey,
+/// Borouchaki, "Surface mesh evaluation", IMR 1997, as used by Xu et al. 2012.
 struct ShapeFigures {
   double smallest = 0.0;  ///< Q_min, in [0, 1].
   double mean = 0.0;      ///< Q_avg, in [0, 1].

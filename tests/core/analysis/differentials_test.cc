@@ -37,8 +37,9 @@ std::vector<SurfacePoint> WhiteNoise(const Surface& surface, const Density& dens
   const CounterRandom random(seed, 0);
   std::vector<SurfacePoint> points;
   for (int i = 0; i < count; ++i) {
-    const auto face = std::upper_bound(passed.begin(), passed.end(), total * random.Uniform(3 * i)) -
-                      passed.begin();
+    const auto face =
+        std::upper_bound(passed.begin(), passed.end(), total * random.Uniform(3 * i)) -
+        passed.begin();
     points.push_back(PointOn(surface, static_cast<std::int32_t>(face), random.Uniform(3 * i + 1),
                              random.Uniform(3 * i + 2)));
   }
@@ -57,8 +58,8 @@ double Deviation(const Curve& curve, double from, double to, double expected) {
 
 TEST(Differentials, WhiteNoiseIsFlatOnAnySurface) {
   for (const TriangleMesh& mesh :
-       {shapes::Icosphere(4), shapes::Cube(), shapes::Torus(1.0, 0.2, 80, 20),
-        shapes::Saddle(20), shapes::PlateWithHoles(2, 2)}) {
+       {shapes::Icosphere(4), shapes::Cube(), shapes::Torus(1.0, 0.2, 80, 20), shapes::Saddle(20),
+        shapes::PlateWithHoles(2, 2)}) {
     const Surface surface = *Surface::Build(mesh);
     const Density density = Density::Uniform(surface);
     Differentials differentials(1000);
@@ -108,7 +109,8 @@ TEST(Differentials, PlaneOfFacesAgreesWithTheTorus) {
     for (const Eigen::Vector2d& p : points) {
       const int column = static_cast<int>(p.x() * 30);
       const int row = static_cast<int>(p.y() * 30);
-      const Eigen::Vector3d place((p.x() - 0.5) / surface.unit(), (p.y() - 0.5) / surface.unit(), 0);
+      const Eigen::Vector3d place((p.x() - 0.5) / surface.unit(), (p.y() - 0.5) / surface.unit(),
+                                  0);
       const std::int32_t quad = 2 * (row * 30 + column);
       const SurfacePoint a = surface.ClosestOnFace(quad, place);
       const SurfacePoint b = surface.ClosestOnFace(quad + 1, place);
@@ -149,7 +151,8 @@ TEST(Differentials, LatticeHasPeaksAtItsDistances) {
 TEST(Differentials, ThinPlateHasTheStatisticsOfItsSides) {
   // Two sheets 0.002 apart, joined at their rims: near in space are points of the other side only.
   TriangleMesh plate = shapes::Subdivided(shapes::Subdivided(shapes::Cube()));
-  for (Eigen::Vector3d& p : plate.positions) p = Eigen::Vector3d(p.x() / 2, p.y() / 2, p.z() / 1000);
+  for (Eigen::Vector3d& p : plate.positions)
+    p = Eigen::Vector3d(p.x() / 2, p.y() / 2, p.z() / 1000);
   const Surface surface = *Surface::Build(plate);
   const Density density = Density::Uniform(surface);
   // On each side a lattice, shifted against each other: 0.7 spacings in space.

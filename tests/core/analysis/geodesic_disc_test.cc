@@ -92,7 +92,8 @@ TEST(GeodesicDisc, GreatCirclesAreMeasuredOnASphere) {
     const Eigen::Vector3d from = surface.ToMesh(center.position).normalized();
     for (const FlatFace& flat : disc.Unfold(center, 0.9 / surface.unit())) {
       for (int k = 0; k < 3; ++k) {
-        const Eigen::Vector3d to = surface.ToMesh(surface.positions()[surface.faces()[flat.face][k]]);
+        const Eigen::Vector3d to =
+            surface.ToMesh(surface.positions()[surface.faces()[flat.face][k]]);
         const double angle = std::atan2(from.cross(to.normalized()).norm(), from.dot(to));
         if (angle < 0.1) continue;
         worst = std::max(worst, std::abs(flat.corners[k].norm() * surface.unit() / angle - 1.0));
@@ -105,8 +106,8 @@ TEST(GeodesicDisc, GreatCirclesAreMeasuredOnASphere) {
 
 TEST(GeodesicDisc, OtherSideOfAThinPlateIsAroundTheRim) {
   // A box 1 x 1 x 0.02, each side in 50 x 50 quads: opposite points in the middle are far apart.
-  TriangleMesh plate = shapes::Subdivided(shapes::Subdivided(shapes::Subdivided(
-      shapes::Subdivided(shapes::Cube()))));
+  TriangleMesh plate = shapes::Subdivided(
+      shapes::Subdivided(shapes::Subdivided(shapes::Subdivided(shapes::Cube()))));
   for (Eigen::Vector3d& p : plate.positions) p = Eigen::Vector3d(p.x() / 2, p.y() / 2, p.z() / 100);
   const Surface surface = Of(plate);
   GeodesicDisc disc(surface);

@@ -23,8 +23,8 @@ constexpr int kCount = 1024;
 constexpr int kSets = 8;
 
 struct Figures {
-  double radius = 0.0, mean = 0.0, nu = 0.0, omega = 0.0, cv = 0.0, voronoi_cv = 0.0,
-         angle = 0.0, valence = 0.0;
+  double radius = 0.0, mean = 0.0, nu = 0.0, omega = 0.0, cv = 0.0, voronoi_cv = 0.0, angle = 0.0,
+         valence = 0.0;
 };
 
 double Variation(const std::vector<double>& values) {
@@ -63,7 +63,8 @@ Figures Measure(const char* name, const std::function<torus::Points(std::uint64_
   double low = 0.0;
   double peak = 0.0;
   const Curve power = differentials.PowerSpectrum();
-  for (std::size_t i = 0; i < power.x.size() && power.x[i] < 0.4; ++i) low = std::max(low, power.y[i]);
+  for (std::size_t i = 0; i < power.x.size() && power.x[i] < 0.4; ++i)
+    low = std::max(low, power.y[i]);
   for (const double y : differentials.RadialMean().y) peak = std::max(peak, y);
   std::printf(
       "%-6s nu %.3f, Omega %.3f, radius %.3f, mean %.3f, cv %.4f, Voronoi cv %.4f, smallest angle "
@@ -83,7 +84,8 @@ TEST(KnownSets, WhiteNoise) {
 }
 
 TEST(KnownSets, DartThrowing) {
-  const Figures f = Measure("darts", [](std::uint64_t s) { return torus::DartThrowing(kCount, s); });
+  const Figures f =
+      Measure("darts", [](std::uint64_t s) { return torus::DartThrowing(kCount, s); });
   ExpectWithin5Percent(f.nu, 0.67);
   ExpectWithin5Percent(f.omega, 1.31);
   ExpectWithin5Percent(f.mean, 0.81);

@@ -27,7 +27,9 @@ class Grid {
     squares_.resize(static_cast<std::size_t>(size_) * size_);
     for (std::size_t i = 0; i < points.size(); ++i) Add(points[i], static_cast<int>(i));
   }
-  void Add(const Eigen::Vector2d& p, int index) { At(Column(p.x()), Column(p.y())).push_back(index); }
+  void Add(const Eigen::Vector2d& p, int index) {
+    At(Column(p.x()), Column(p.y())).push_back(index);
+  }
   // Calls `visit` for all points in the squares at most `rings` away, and maybe more.
   template <typename F>
   void ForEachNear(const Eigen::Vector2d& p, int rings, F&& visit) {
@@ -142,9 +144,8 @@ Points DartThrowing(int count, std::uint64_t seed) {
   for (std::uint64_t dart = 0; static_cast<int>(points.size()) < count; ++dart) {
     const Eigen::Vector2d p(random.Uniform(2 * dart), random.Uniform(2 * dart + 1));
     bool free = true;
-    grid.ForEachNear(p, 1, [&](int j) {
-      free = free && Difference(p, points[j]).norm() >= radius;
-    });
+    grid.ForEachNear(p, 1,
+                     [&](int j) { free = free && Difference(p, points[j]).norm() >= radius; });
     if (free) {
       grid.Add(p, static_cast<int>(points.size()));
       points.push_back(p);

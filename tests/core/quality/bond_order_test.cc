@@ -28,7 +28,7 @@ TEST(BondOrder, HexagonalLatticeIsOne) {
 }
 
 TEST(BondOrder, RegularFansOfFourAndFiveAreZero) {
-  const std::vector<Eigen::Vector3d> octahedron = {{1, 0, 0},  {0, 1, 0},  {-1, 0, 0},
+  const std::vector<Eigen::Vector3d> octahedron = {{1, 0, 0},  {0, 1, 0}, {-1, 0, 0},
                                                    {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   const std::vector<Eigen::Vector3i> faces = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4},
                                               {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}};

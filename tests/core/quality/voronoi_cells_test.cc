@@ -55,7 +55,8 @@ TEST(VoronoiCells, DensityWeighsTriangles) {
   const TriangleMesh sphere = shapes::Icosphere(1);
   const std::vector<double> densities(sphere.faces.size(), 3.0);
   const std::vector<double> one = VoronoiCellCapacities(sphere.positions, sphere.faces);
-  const std::vector<double> three = VoronoiCellCapacities(sphere.positions, sphere.faces, densities);
+  const std::vector<double> three =
+      VoronoiCellCapacities(sphere.positions, sphere.faces, densities);
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_NEAR(three[i], 3.0 * one[i], 1e-12);
 }
 
