@@ -19,8 +19,7 @@ def run_jobs(client, data, count, first_seed):
 def main():
     args = arguments(__doc__, jobs=100, server="", growth_percent=5.0)
     report = Report()
-    # SQLite's cache of pages, 2 MiB, fills meanwhile.
-    warm_up = args.jobs // 2
+    warm_up = args.jobs // 4
     with Folder() as folder, Server(folder, program=args.server or None) as server, \
             Client(server.address) as client:
         data = draco.encode(*draco.torus(48, 24))
