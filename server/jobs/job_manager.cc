@@ -112,7 +112,8 @@ absl::Status JobManager::TakeUp(const JobRecord& record) {
 }
 
 std::shared_ptr<Job> JobManager::NewJob(std::string id, JobSpec spec) {
-  return std::make_shared<Job>(
+  // Not make_shared: a weak pointer of ended_ would keep the job's own memory until the next sweep.
+  return std::make_unique<Job>(
       std::move(id), std::move(spec), dependencies_.run.clock,
       [this](std::function<void()> task) { notifier_.Run(std::move(task)); });
 }
@@ -247,8 +248,8 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::Restore(const JobRecord& record
   CCST_ASSIGN_OR_RETURN(spec, records_.SpecOf(record));
   JobView view;
   CCST_ASSIGN_OR_RETURN(view, records_.ViewOf(record));
-  auto job = std::make_shared<Job>(record.id, std::move(spec), dependencies_.run.clock,
-                                   std::move(view), std::move(reports));
+  std::shared_ptr<Job> job = std::make_unique<Job>(
+      record.id, std::move(spec), dependencies_.run.clock, std::move(view), std::move(reports));
   MutexLock lock(mutex_);
   std::weak_ptr<Job>& known = ended_[record.id];
   if (auto other = known.lock()) return other;
