@@ -17,7 +17,8 @@ struct Poles {
 };
 
 /// The first pole of a point is the vertex of its Voronoi cell farthest away, the second the
-/// farthest on the other side.
+/// farthest on the other side. Four points in one plane must not occur, but for rounding: nothing
+/// says where the ball through them is. InGeneralPosition() sees to that.
 /// @errors as DelaunayTetrahedra().
 absl::StatusOr<Poles> FindPoles(const std::vector<Eigen::Vector3d>& points);
 

@@ -47,10 +47,15 @@ nlohmann::json Converge(Start start, SampleMesh mesh) {
 
 nlohmann::json Describe(const CrustOutcome& outcome) {
   const quality::MeshTopology& t = outcome.topology;
-  return {{"usable", outcome.usable},         {"triangles", outcome.triangles.size()},
-          {"unused", t.unused_vertices},      {"holes", t.boundary_loops.size()},
-          {"crowded_edges", t.crowded_edges}, {"split_vertices", t.split_vertices},
-          {"components", t.components},       {"euler", t.euler},
+  return {{"usable", outcome.usable},
+          {"triangles", outcome.triangles.size()},
+          {"broken", outcome.broken_umbrellas},
+          {"unused", t.unused_vertices},
+          {"holes", t.boundary_loops.size()},
+          {"crowded_edges", t.crowded_edges},
+          {"split_vertices", t.split_vertices},
+          {"components", t.components},
+          {"euler", t.euler},
           {"seconds", outcome.seconds}};
 }
 
@@ -91,15 +96,13 @@ absl::Status Run(const Options& options, const std::string& path, std::int64_t c
 }  // namespace ccst::paper
 
 int main(int argc, char** argv) {
-  using ccst::paper::Points;
   ccst::paper::Options options;
   CLI::App app("Crust over initial samples against the start by construction");
   app.add_option("meshes", options.meshes, "Closed surfaces of one piece")->required();
   app.add_option("--counts", options.counts, "Numbers of samples")->delimiter(',');
   app.add_option("--seeds", options.seeds, "Seeds")->delimiter(',');
   app.add_option("--points", options.points, "Where samples start")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Points>{{"strata", Points::kStrata}, {"white", Points::kWhite}}));
+      ->transform(CLI::CheckedTransformer(ccst::paper::PointsByName()));
   app.add_option("--normal-filter", options.normal_filter, "Of Crust [degree]");
   app.add_flag("--converge", options.converge, "Relax both starts and measure what comes out");
   CLI11_PARSE(app, argc, argv);

@@ -3,7 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from harness import Figure, panels, show
+from harness import Figure, panels, show, show_halves
 from shapes import write_textured_sphere
 
 
@@ -16,9 +16,7 @@ def figure_4(bench):
     for k, (model, name) in enumerate(models.items()):
         summary = bench.sample(bench.model(model), bench.count(10000), f"curvature-{name}",
                                "--density", "curvature", picture=True)
-        points, triangles = panels(f"{summary['stem']}.png")
-        show(axes[2 * k], points, name)
-        show(axes[2 * k + 1], triangles)
+        show_halves(axes[2 * k], axes[2 * k + 1], f"{summary['stem']}.png", name)
         figure.rows.append([name, f"{summary['capacity_cv']:.3f}",
                             f"{summary['relative_radius']:.3f}", summary["alternations"]])
     figure.images.append(bench.save("figure-4.png"))

@@ -5,7 +5,7 @@ import json
 import matplotlib.pyplot as plt
 
 from differentials import plot_differentials
-from harness import Figure, panels, show
+from harness import Figure, panels, show, show_halves
 
 NAMES = {"paper/eight_7402.off": "eight", "paper/kitten_9756.off": "kitten"}
 
@@ -62,9 +62,8 @@ def figure_3(bench):
     )
     _, axes = plt.subplots(2, 4, figsize=(14, 8))
     for column, phase in enumerate(moments):
-        points, triangles = panels(bench.work / f"evolution-{phase}.png")
-        show(axes[0, column], points, "start" if phase == 0 else f"after {phase} alternations")
-        show(axes[1, column], triangles)
+        show_halves(axes[0, column], axes[1, column], bench.work / f"evolution-{phase}.png",
+                    "start" if phase == 0 else f"after {phase} alternations")
     figure.images.append(bench.save("figure-3.png"))
 
     command = bench.sample(mesh, count, "evolution-command")

@@ -1,6 +1,9 @@
 #include "tests/paper/start.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -25,7 +28,43 @@ absl::StatusOr<Density> UnevenDensity(const Surface& surface) {
   return Density::Linear(surface, std::move(corners), 100.0);
 }
 
+/// The triangles around a vertex close to one disc if the sides opposite to it form one cycle.
+bool IsUmbrella(const std::vector<std::array<std::int32_t, 2>>& sides) {
+  if (sides.empty()) return false;
+  std::map<std::int32_t, std::int32_t> next;
+  for (const auto& [from, to] : sides) {
+    if (!next.emplace(from, to).second) return false;
+  }
+  std::int32_t at = sides.front()[0];
+  for (std::size_t step = 1; step <= sides.size(); ++step) {
+    const auto found = next.find(at);
+    if (found == next.end()) return false;
+    at = found->second;
+    if (at == sides.front()[0]) return step == sides.size();
+  }
+  return false;
+}
+
+std::int64_t CountBrokenUmbrellas(std::int32_t count,
+                                  const std::vector<Eigen::Vector3i>& triangles) {
+  std::vector<std::vector<std::array<std::int32_t, 2>>> sides(static_cast<std::size_t>(count));
+  for (const Eigen::Vector3i& t : triangles) {
+    for (int k = 0; k < 3; ++k) sides[t[k]].push_back({t[(k + 1) % 3], t[(k + 2) % 3]});
+  }
+  return std::count_if(sides.begin(), sides.end(),
+                       [](const auto& around) { return !IsUmbrella(around); });
+}
+
 }  // namespace
+
+const std::map<std::string, Points>& PointsByName() {
+  static const std::map<std::string, Points>* const names =
+      new std::map<std::string, Points>{{"strata", Points::kStrata},
+                                        {"white", Points::kWhite},
+                                        {"uneven", Points::kUneven},
+                                        {"even", Points::kEven}};
+  return *names;
+}
 
 absl::StatusOr<Start> DrawStart(const TriangleMesh& mesh, std::int64_t count, std::uint64_t seed,
                                 Points points) {
@@ -46,8 +85,11 @@ absl::StatusOr<Start> DrawStart(const TriangleMesh& mesh, std::int64_t count, st
     if (points == Points::kUneven) {
       CCST_ASSIGN_OR_RETURN(uneven, UnevenDensity(surface));
     }
+    const MethodControl control{.interrupt = &never};
     CCST_ASSIGN_OR_RETURN(const std::vector<SurfacePoint> drawn,
-                          DrawWhiteNoise(surface, uneven, count, seed, {.interrupt = &never}));
+                          points == Points::kEven
+                              ? EliminateSamples(surface, uniform, count, seed, control)
+                              : DrawWhiteNoise(surface, uneven, count, seed, control));
     samples.Resize(static_cast<std::int32_t>(count));
     for (std::int32_t i = 0; i < samples.count(); ++i) samples.Place(i, surface, drawn[i]);
   }
@@ -62,6 +104,7 @@ absl::StatusOr<CrustOutcome> RunCrust(const Start& start, const CrustOptions& op
   outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   outcome.triangles = std::move(crust.triangles);
   outcome.topology = quality::MeasureTopology(start.samples.count(), outcome.triangles);
+  outcome.broken_umbrellas = CountBrokenUmbrellas(start.samples.count(), outcome.triangles);
   outcome.usable = outcome.topology.IsManifold() && outcome.topology.boundary_loops.empty() &&
                    outcome.topology.components == 1 &&
                    outcome.topology.euler == start.surface.component_eulers()[0];
