@@ -47,15 +47,10 @@ nlohmann::json Converge(Start start, SampleMesh mesh) {
 
 nlohmann::json Describe(const CrustOutcome& outcome) {
   const quality::MeshTopology& t = outcome.topology;
-  return {{"usable", outcome.usable},
-          {"triangles", outcome.triangles.size()},
-          {"broken", outcome.broken_umbrellas},
-          {"unused", t.unused_vertices},
-          {"holes", t.boundary_loops.size()},
-          {"crowded_edges", t.crowded_edges},
-          {"split_vertices", t.split_vertices},
-          {"components", t.components},
-          {"euler", t.euler},
+  return {{"usable", outcome.usable},         {"triangles", outcome.triangles.size()},
+          {"unused", t.unused_vertices},      {"holes", t.boundary_loops.size()},
+          {"crowded_edges", t.crowded_edges}, {"split_vertices", t.split_vertices},
+          {"components", t.components},       {"euler", t.euler},
           {"seconds", outcome.seconds}};
 }
 

@@ -1,9 +1,6 @@
 #include "tests/paper/start.h"
 
-#include <algorithm>
-#include <array>
 #include <chrono>
-#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -26,33 +23,6 @@ absl::StatusOr<Density> UnevenDensity(const Surface& surface) {
     corners.insert(corners.end(), 3, x > 0.0 ? 4.0 : 1.0);
   }
   return Density::Linear(surface, std::move(corners), 100.0);
-}
-
-/// The triangles around a vertex close to one disc if the sides opposite to it form one cycle.
-bool IsUmbrella(const std::vector<std::array<std::int32_t, 2>>& sides) {
-  if (sides.empty()) return false;
-  std::map<std::int32_t, std::int32_t> next;
-  for (const auto& [from, to] : sides) {
-    if (!next.emplace(from, to).second) return false;
-  }
-  std::int32_t at = sides.front()[0];
-  for (std::size_t step = 1; step <= sides.size(); ++step) {
-    const auto found = next.find(at);
-    if (found == next.end()) return false;
-    at = found->second;
-    if (at == sides.front()[0]) return step == sides.size();
-  }
-  return false;
-}
-
-std::int64_t CountBrokenUmbrellas(std::int32_t count,
-                                  const std::vector<Eigen::Vector3i>& triangles) {
-  std::vector<std::vector<std::array<std::int32_t, 2>>> sides(static_cast<std::size_t>(count));
-  for (const Eigen::Vector3i& t : triangles) {
-    for (int k = 0; k < 3; ++k) sides[t[k]].push_back({t[(k + 1) % 3], t[(k + 2) % 3]});
-  }
-  return std::count_if(sides.begin(), sides.end(),
-                       [](const auto& around) { return !IsUmbrella(around); });
 }
 
 }  // namespace
@@ -104,7 +74,6 @@ absl::StatusOr<CrustOutcome> RunCrust(const Start& start, const CrustOptions& op
   outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   outcome.triangles = std::move(crust.triangles);
   outcome.topology = quality::MeasureTopology(start.samples.count(), outcome.triangles);
-  outcome.broken_umbrellas = CountBrokenUmbrellas(start.samples.count(), outcome.triangles);
   outcome.usable = outcome.topology.IsManifold() && outcome.topology.boundary_loops.empty() &&
                    outcome.topology.components == 1 &&
                    outcome.topology.euler == start.surface.component_eulers()[0];

@@ -47,9 +47,6 @@ struct CrustOutcome {
   std::vector<Eigen::Vector3i> triangles;
   quality::MeshTopology topology;
   bool usable = false;  ///< A manifold through all samples with the topology of the surface.
-  /// Samples around which the triangles do not close to one disc. Of a mesh whose holes are kept
-  /// this says how much of it is wrong.
-  std::int64_t broken_umbrellas = 0;
   double seconds = 0.0;
 };
 absl::StatusOr<CrustOutcome> RunCrust(const Start& start, const CrustOptions& options);
