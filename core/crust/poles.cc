@@ -96,9 +96,11 @@ absl::StatusOr<Poles> FindPoles(const std::vector<Eigen::Vector3d>& points) {
       }
     }
   };
+  // Several points may share a pole; to Qhull equal places are a failure of precision.
+  std::vector<std::uint8_t> taken(tetrahedra.size(), 0);
   const auto add = [&](std::size_t v, std::vector<Eigen::Vector3d>* directions) {
     if (farthest[v] < 0) return;
-    poles.places.push_back(centers[farthest[v]]);
+    if (!std::exchange(taken[farthest[v]], 1)) poles.places.push_back(centers[farthest[v]]);
     (*directions)[v] = (centers[farthest[v]] - points[v]).normalized();
   };
   std::vector<std::uint8_t> on_hull(points.size());

@@ -1,6 +1,10 @@
 #include "core/crust/poles.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -31,6 +35,21 @@ TEST(FindPoles, PointsOfASphereHaveOneAtItsCentre) {
     EXPECT_LT(Degrees(poles.first[i], points[i]), 15.0) << i;
     EXPECT_LT(Degrees(poles.second[i], points[i]), 1e-3) << i;
   }
+}
+
+TEST(FindPoles, SharedPolesAreThereOnce) {
+  // In a cloud many cells end in the same corner.
+  const CounterRandom random(7, 1);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 1500; ++i) {
+    points.emplace_back(random.Uniform(3 * i), random.Uniform(3 * i + 1),
+                        random.Uniform(3 * i + 2));
+  }
+  const Poles poles = *FindPoles(points);
+  std::set<std::array<double, 3>> places;
+  for (const Eigen::Vector3d& p : poles.places) places.insert({p.x(), p.y(), p.z()});
+  EXPECT_EQ(places.size(), poles.places.size());
+  EXPECT_LT(places.size(), 2 * points.size()) << "no pole is shared";
 }
 
 // Inside a face of a cube no four points have a sphere, and which of them are on the hull is left
