@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "absl/container/flat_hash_set.h"
 #include "core/base/status.h"
 #include "core/crust/delaunay.h"
 
@@ -19,6 +20,10 @@ using Tetrahedron = std::array<std::int32_t, 4>;
 
 /// No pole is farther from the points than about this many diagonals.
 constexpr double kFarthest = 5.0;
+/// Of poles within this share of the diagonal one is kept. Points share poles, and where the medial
+/// axis is a line, as that of a torus is, all poles crowd there: to Qhull such places are failures
+/// of precision, for which it moves everything until they differ.
+constexpr double kSamePlace = 1e-4;
 /// From the first corner of `t` to the centre of the ball through all; at most `reach` long.
 Eigen::Vector3d ToCircumcenter(const std::vector<Eigen::Vector3d>& points, const Tetrahedron& t,
                                double reach) {
@@ -96,12 +101,16 @@ absl::StatusOr<Poles> FindPoles(const std::vector<Eigen::Vector3d>& points) {
       }
     }
   };
-  // Several points may share a pole; to Qhull equal places are a failure of precision.
-  std::vector<std::uint8_t> taken(tetrahedra.size(), 0);
+  absl::flat_hash_set<std::array<std::int64_t, 3>> taken;
   const auto add = [&](std::size_t v, std::vector<Eigen::Vector3d>* directions) {
     if (farthest[v] < 0) return;
-    if (!std::exchange(taken[farthest[v]], 1)) poles.places.push_back(centers[farthest[v]]);
-    (*directions)[v] = (centers[farthest[v]] - points[v]).normalized();
+    const Eigen::Vector3d& pole = centers[farthest[v]];
+    const Eigen::Vector3d cell = (pole - box.min()) / (kSamePlace * box.diagonal().norm());
+    if (taken.insert({std::llround(cell.x()), std::llround(cell.y()), std::llround(cell.z())})
+            .second) {
+      poles.places.push_back(pole);
+    }
+    (*directions)[v] = (pole - points[v]).normalized();
   };
   std::vector<std::uint8_t> on_hull(points.size());
   for (std::size_t v = 0; v < points.size(); ++v) on_hull[v] = !poles.first[v].isZero();

@@ -10,7 +10,7 @@ namespace ccst {
 
 /// The poles of a set of points, as parallel arrays.
 struct Poles {
-  std::vector<Eigen::Vector3d> places;  ///< Up to 2 N, each once.
+  std::vector<Eigen::Vector3d> places;  ///< Up to 2 N; of those at about one place, one.
   std::vector<Eigen::Vector3d> first;   ///< N x 3 unit: from the point to its first pole, or the
                                         ///< hull's normal there where that lies at infinity.
   std::vector<Eigen::Vector3d> second;  ///< N x 3 unit: to its second pole; zero without one.
