@@ -63,7 +63,7 @@ def figure_3(bench):
     _, axes = plt.subplots(2, 4, figsize=(14, 8))
     for column, phase in enumerate(moments):
         show_halves(axes[0, column], axes[1, column], bench.work / f"evolution-{phase}.png",
-                    "start" if phase == 0 else f"after {phase} alternations")
+                    "start" if phase == 0 else f"after {phase} alternation{'s' * (phase > 1)}")
     figure.images.append(bench.save("figure-3.png"))
 
     command = bench.sample(mesh, count, "evolution-command")
