@@ -55,13 +55,15 @@ std::span<const FigureLine> FigureLines() { return kLines; }
 
 bool IsBest(const FigureLine& line, const Row& row, std::span<const Row> rows) {
   const std::optional<double> own = line.value(row);
-  if (!own.has_value() || rows.size() < 2) return false;
+  if (!own.has_value()) return false;
+  std::size_t measured = 0;
   for (const Row& other : rows) {
     const std::optional<double> value = line.value(other);
     if (!value.has_value()) continue;
+    ++measured;
     if (line.best == Best::kHighest ? *value > *own : *value < *own) return false;
   }
-  return true;
+  return measured > 1;
 }
 
 }  // namespace ccst::report

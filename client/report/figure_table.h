@@ -19,7 +19,7 @@ struct FigureLine {
 /// All lines, in their order.
 std::span<const FigureLine> FigureLines();
 
-/// Whether `row` has the best value of `line` among `rows`, of which there are several.
+/// Whether `row` has the best value of `line` among `rows`, of which several have one.
 bool IsBest(const FigureLine& line, const Row& row, std::span<const Row> rows);
 
 }  // namespace ccst::report

@@ -18,6 +18,23 @@ double SquaredDistance(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return (a + t * along).squaredNorm();
 }
 
+// A face laid nearer than this share of the straight distance in space was unfolded along a path
+// that is far from straight: no way along the surface is shorter than the chord.
+constexpr double kShortest = 0.99;
+
+// Length of the shortest way from the origin to `to` through the side from `a` to `b`.
+double LengthThrough(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                     const Eigen::Vector2d& to) {
+  const auto cross = [](const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
+    return u.x() * v.y() - u.y() * v.x();
+  };
+  const double left = cross(a, to);
+  const double right = cross(to, b);
+  if (left >= 0.0 && right >= 0.0) return to.norm();
+  const Eigen::Vector2d& corner = left < right ? a : b;
+  return corner.norm() + (to - corner).norm();
+}
+
 }  // namespace
 
 GeodesicDisc::GeodesicDisc(const Surface& surface)
@@ -41,12 +58,16 @@ void GeodesicDisc::Offer(std::int32_t half_edge, const Eigen::Vector2d& from,
   const double across = edge.cross(side).norm() / length;
   const Eigen::Vector2d flat = from - to;  // The twin runs the other way.
   const Eigen::Vector2d apex = to + along * flat + across * Eigen::Vector2d(-flat.y(), flat.x());
-  queue_.push_back({(from + to + apex).squaredNorm(), twin, {to, from, apex}});
+  const Eigen::Vector2d centroid = (from + to + apex) / 3.0;
+  const Eigen::Vector3d place = a + (edge + side) / 3.0;
+  if (centroid.norm() < kShortest * (place - center_).norm()) return;
+  queue_.push_back({LengthThrough(from, to, centroid), twin, {to, from, apex}});
   std::push_heap(queue_.begin(), queue_.end());
 }
 
 const std::vector<FlatFace>& GeodesicDisc::Unfold(const SurfacePoint& center, double radius) {
   ++disc_;
+  center_ = center.position;
   faces_.clear();
   queue_.clear();
   const Eigen::Vector3i& host = surface_.faces()[static_cast<std::size_t>(center.face)];

@@ -25,13 +25,13 @@ struct FlatFace {
 /// along the surface and whose directions are those in which straight lines leave the point.
 ///
 /// Faces are unfolded across the edges they share, nearest first, each from the neighbour over
-/// which its centroid is nearest. Exact on planes and other developable pieces, at creases too;
-/// elsewhere the error grows with the curvature between the path of faces and the straight line
-/// (under 1 % of the distance within a radian on a sphere). Sheets that are near in space only are
-/// not reached, the other side of a rim as far away as it is along the surface.
-/// Source: the unfolding of Mitchell, Mount, Papadimitriou, "The discrete geodesic problem", SIAM
-/// J. Comput. 16(4), 1987, with one path a face, as the discrete exponential maps of Schmidt,
-/// Grimm, Wyvill, SIGGRAPH 2006.
+/// whose side the way to its centroid is shortest; never nearer than its centroid is in space.
+/// Exact on planes and other developable pieces, at creases too; elsewhere the error grows with the
+/// curvature between the path of faces and the straight line (under 1 % of the distance within a
+/// radian on a sphere). Sheets that are near in space only are not reached, the other side of a rim
+/// as far away as it is along the surface. Source: the unfolding of Mitchell, Mount, Papadimitriou,
+/// "The discrete geodesic problem", SIAM J. Comput. 16(4), 1987, with one path a face, as the
+/// discrete exponential maps of Schmidt, Grimm, Wyvill, SIGGRAPH 2006.
 class GeodesicDisc {
  public:
   /// @param surface  not owned.
@@ -45,7 +45,7 @@ class GeodesicDisc {
  private:
   // A face that can be unfolded across the side from `corners[0]` to `corners[1]`, its half-edge.
   struct Candidate {
-    double distance;  // Of the centroid.
+    double distance;  // To the centroid.
     std::int32_t half_edge;
     std::array<Eigen::Vector2d, 3> corners;  // From the half-edge's origin on.
     // The queue has the largest first; equal ones by index, so that order is fixed.
@@ -61,6 +61,7 @@ class GeodesicDisc {
   const Surface& surface_;
   std::vector<std::int32_t> visited_;  // Per face: the disc that has it.
   std::int32_t disc_ = 0;
+  Eigen::Vector3d center_ = Eigen::Vector3d::Zero();
   std::vector<Candidate> queue_;  // A heap.
   std::vector<FlatFace> faces_;
 };

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -12,9 +13,14 @@
 #include "core/crust/delaunay.h"
 #include "core/crust/outside.h"
 #include "core/crust/poles.h"
+#include "core/random/random.h"
 
 namespace ccst {
 namespace {
+
+/// How far points are moved into general position, in diagonals: well above what rounding does to
+/// balls and angles, well below distances of points.
+constexpr double kNudge = 1e-7;
 
 /// Triangles of the Delaunay tetrahedra of points and poles with points alone as corners, each
 /// once.
@@ -72,8 +78,22 @@ bool FollowsPoles(const std::vector<Eigen::Vector3d>& points, const Poles& poles
 
 }  // namespace
 
-absl::StatusOr<Crust> ReconstructByCrust(const std::vector<Eigen::Vector3d>& points,
+std::vector<Eigen::Vector3d> InGeneralPosition(std::vector<Eigen::Vector3d> points) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : points) box.extend(p);
+  const double length = kNudge * box.diagonal().norm();
+  const CounterRandom random(1, 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      points[i][static_cast<Eigen::Index>(k)] += length * (random.Uniform(3 * i + k) - 0.5);
+    }
+  }
+  return points;
+}
+
+absl::StatusOr<Crust> ReconstructByCrust(const std::vector<Eigen::Vector3d>& given,
                                          const CrustOptions& options) {
+  const std::vector<Eigen::Vector3d> points = InGeneralPosition(given);
   CCST_ASSIGN_OR_RETURN(const Poles poles, FindPoles(points));
   CCST_ASSIGN_OR_RETURN(std::vector<Eigen::Vector3i> triangles, FindCandidates(points, poles));
   Crust crust;

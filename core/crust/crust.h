@@ -28,9 +28,16 @@ struct Crust {
   std::size_t trimmed = 0;     ///< Left after trimming.
 };
 
+/// `points` moved by less than 1e-7 of the diagonal of their box, always in the same way. Samples
+/// of a mesh lie by fours in one plane, wherever a face holds that many: there balls through four
+/// points, which of them are on the convex hull, and the order of triangles around an edge would be
+/// what rounding makes of them.
+std::vector<Eigen::Vector3d> InGeneralPosition(std::vector<Eigen::Vector3d> points);
+
 /// Reconstructs a surface from `points` (N x 3 [any unit], all different): the Delaunay triangles
 /// of the points and their poles whose corners are all points, filtered by normals, trimmed of
-/// sharp edges, and of what remains the outside of each connected piece.
+/// sharp edges, and of what remains the outside of each connected piece. Works on
+/// InGeneralPosition(points).
 ///
 /// This is the start that the paper of CCST names (section 3.2), here to compare with: the sampler
 /// does not use it. It needs points dense beside the distance to the medial axis; white noise is

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "absl/container/flat_hash_set.h"
 #include "core/base/status.h"
 #include "core/crust/delaunay.h"
 
@@ -17,10 +18,15 @@ namespace {
 
 using Tetrahedron = std::array<std::int32_t, 4>;
 
-/// No pole is farther from the middle of the points than this many diagonals.
+/// No pole is farther from the points than about this many diagonals.
 constexpr double kFarthest = 5.0;
-
-Eigen::Vector3d Circumcenter(const std::vector<Eigen::Vector3d>& points, const Tetrahedron& t) {
+/// Of poles within this share of the diagonal one is kept. Points share poles, and where the medial
+/// axis is a line, as that of a torus is, all poles crowd there: to Qhull such places are failures
+/// of precision, for which it moves everything until they differ.
+constexpr double kSamePlace = 1e-4;
+/// From the first corner of `t` to the centre of the ball through all; at most `reach` long.
+Eigen::Vector3d ToCircumcenter(const std::vector<Eigen::Vector3d>& points, const Tetrahedron& t,
+                               double reach) {
   Eigen::Matrix3d edges;
   Eigen::Vector3d squares;
   for (int k = 0; k < 3; ++k) {
@@ -28,38 +34,35 @@ Eigen::Vector3d Circumcenter(const std::vector<Eigen::Vector3d>& points, const T
     edges.row(k) = edge.transpose();
     squares[k] = 0.5 * edge.squaredNorm();
   }
-  return points[t[0]] + edges.fullPivLu().solve(squares);
+  Eigen::Vector3d offset = edges.fullPivLu().solve(squares);
+  if (const double length = offset.norm(); length > reach) offset *= reach / length;
+  return offset;
 }
 
-/// Sums of the outward normals of the convex hull at each point; zero inside.
+/// Sums of the outward normals of the convex hull at each point; zero inside. Outwards is away from
+/// `inside`, a point within the hull: the tetrahedron at a face of the hull may be nearly flat.
 std::vector<Eigen::Vector3d> HullNormals(const std::vector<Eigen::Vector3d>& points,
-                                         const std::vector<Tetrahedron>& tetrahedra) {
-  struct Face {
-    std::array<std::int32_t, 3> corners;  // Increasing.
-    std::int32_t apex;
-  };
-  std::vector<Face> faces;
+                                         const std::vector<Tetrahedron>& tetrahedra,
+                                         const Eigen::Vector3d& inside) {
+  std::vector<std::array<std::int32_t, 3>> faces;  // Corners increasing.
   faces.reserve(4 * tetrahedra.size());
   for (const Tetrahedron& t : tetrahedra) {
     for (int k = 0; k < 4; ++k) {
-      Face face{{t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]}, t[k]};
-      std::sort(face.corners.begin(), face.corners.end());
-      faces.push_back(face);
+      faces.push_back({t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]});
+      std::sort(faces.back().begin(), faces.back().end());
     }
   }
-  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
-    return std::pair(a.corners, a.apex) < std::pair(b.corners, b.apex);
-  });
+  std::sort(faces.begin(), faces.end());
   std::vector<Eigen::Vector3d> normals(points.size(), Eigen::Vector3d::Zero());
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    if (i + 1 < faces.size() && faces[i].corners == faces[i + 1].corners) {
+    if (i + 1 < faces.size() && faces[i] == faces[i + 1]) {
       ++i;  // Two tetrahedra share it.
       continue;
     }
-    const auto& [a, b, c] = faces[i].corners;
+    const auto& [a, b, c] = faces[i];
     Eigen::Vector3d normal = (points[b] - points[a]).cross(points[c] - points[a]).normalized();
-    if (normal.dot(points[faces[i].apex] - points[a]) > 0.0) normal = -normal;
-    for (const std::int32_t v : faces[i].corners) normals[v] += normal;
+    if (normal.dot(points[a] - inside) < 0.0) normal = -normal;
+    for (const std::int32_t v : faces[i]) normals[v] += normal;
   }
   return normals;
 }
@@ -72,16 +75,17 @@ absl::StatusOr<Poles> FindPoles(const std::vector<Eigen::Vector3d>& points) {
   for (const Eigen::Vector3d& p : points) box.extend(p);
   const double reach = kFarthest * box.diagonal().norm();
 
+  Eigen::Vector3d inside = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) inside += p / static_cast<double>(points.size());
+
   std::vector<Eigen::Vector3d> centers;
   centers.reserve(tetrahedra.size());
   for (const Tetrahedron& t : tetrahedra) {
-    Eigen::Vector3d offset = Circumcenter(points, t) - box.center();
-    if (const double length = offset.norm(); length > reach) offset *= reach / length;
-    centers.push_back(box.center() + offset);
+    centers.push_back(points[t[0]] + ToCircumcenter(points, t, reach));
   }
 
   Poles poles;
-  poles.first = HullNormals(points, tetrahedra);
+  poles.first = HullNormals(points, tetrahedra, inside);
   poles.second.assign(points.size(), Eigen::Vector3d::Zero());
   std::vector<std::int32_t> farthest(points.size(), -1);
   const auto keep_farthest = [&](const auto& admits) {
@@ -97,10 +101,16 @@ absl::StatusOr<Poles> FindPoles(const std::vector<Eigen::Vector3d>& points) {
       }
     }
   };
+  absl::flat_hash_set<std::array<std::int64_t, 3>> taken;
   const auto add = [&](std::size_t v, std::vector<Eigen::Vector3d>* directions) {
     if (farthest[v] < 0) return;
-    poles.places.push_back(centers[farthest[v]]);
-    (*directions)[v] = (centers[farthest[v]] - points[v]).normalized();
+    const Eigen::Vector3d& pole = centers[farthest[v]];
+    const Eigen::Vector3d cell = (pole - box.min()) / (kSamePlace * box.diagonal().norm());
+    if (taken.insert({std::llround(cell.x()), std::llround(cell.y()), std::llround(cell.z())})
+            .second) {
+      poles.places.push_back(pole);
+    }
+    (*directions)[v] = (pole - points[v]).normalized();
   };
   std::vector<std::uint8_t> on_hull(points.size());
   for (std::size_t v = 0; v < points.size(); ++v) on_hull[v] = !poles.first[v].isZero();

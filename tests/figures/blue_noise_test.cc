@@ -135,7 +135,7 @@ TEST_F(BlueNoise, SeedsAreOfOneKind) {
 TEST_F(BlueNoise, DISABLED_AllModelsWithEightSets) {
   for (const char* name : kModels) {
     for (const std::int64_t count : {1700, 10000}) {
-      const bool is_known = *name != '\0' && count == 1700;
+      const bool is_known = count == 1700 && (name == kModels[2] || name == kModels[4]);
       ExpectBlueNoise(name, count, 8, is_known ? Power::kKnownToBeLarger : Power::kLow);
     }
   }

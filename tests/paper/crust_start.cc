@@ -91,15 +91,13 @@ absl::Status Run(const Options& options, const std::string& path, std::int64_t c
 }  // namespace ccst::paper
 
 int main(int argc, char** argv) {
-  using ccst::paper::Points;
   ccst::paper::Options options;
   CLI::App app("Crust over initial samples against the start by construction");
   app.add_option("meshes", options.meshes, "Closed surfaces of one piece")->required();
   app.add_option("--counts", options.counts, "Numbers of samples")->delimiter(',');
   app.add_option("--seeds", options.seeds, "Seeds")->delimiter(',');
   app.add_option("--points", options.points, "Where samples start")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Points>{{"strata", Points::kStrata}, {"white", Points::kWhite}}));
+      ->transform(CLI::CheckedTransformer(ccst::paper::PointsByName()));
   app.add_option("--normal-filter", options.normal_filter, "Of Crust [degree]");
   app.add_flag("--converge", options.converge, "Relax both starts and measure what comes out");
   CLI11_PARSE(app, argc, argv);

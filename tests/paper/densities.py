@@ -3,7 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from harness import Figure, panels, show
+from harness import Figure, panels, show, show_halves
 from shapes import write_textured_sphere
 
 
@@ -16,9 +16,7 @@ def figure_4(bench):
     for k, (model, name) in enumerate(models.items()):
         summary = bench.sample(bench.model(model), bench.count(10000), f"curvature-{name}",
                                "--density", "curvature", picture=True)
-        points, triangles = panels(f"{summary['stem']}.png")
-        show(axes[2 * k], points, name)
-        show(axes[2 * k + 1], triangles)
+        show_halves(axes[2 * k], axes[2 * k + 1], f"{summary['stem']}.png", name)
         figure.rows.append([name, f"{summary['capacity_cv']:.3f}",
                             f"{summary['relative_radius']:.3f}", summary["alternations"]])
     figure.images.append(bench.save("figure-4.png"))
@@ -31,11 +29,11 @@ def figure_4(bench):
 
 
 def _image(path):
-    """A grey picture for the sphere: a sun over waves."""
+    """A grey picture for the sphere: a sun, dark as ink, over waves, where the camera looks."""
     u, v = np.meshgrid(np.linspace(0, 1, 512), np.linspace(1, 0, 256))
-    sun = np.clip((np.hypot(2 * (u - 0.38), v - 0.68) - 0.13) * 60, 0, 1)
+    sun = np.clip((np.hypot(2 * (u - 0.80), v - 0.68) - 0.13) * 60, 0, 1)
     waves = 0.5 + 0.5 * np.sin(60 * (v + 0.03 * np.sin(6 * np.pi * u)))
-    grey = np.where(v < 0.45, 0.15 + 0.8 * waves, 0.25 + 0.75 * sun)
+    grey = np.where(v < 0.45, 0.15 + 0.8 * waves, 0.25 + 0.5 * sun)
     plt.imsave(path, grey, cmap="gray", vmin=0, vmax=1)
     return path
 

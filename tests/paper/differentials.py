@@ -45,11 +45,12 @@ def figure_5(bench):
                                 f"{figures['nearest']:.3f}", f"{y[peak]:.2f}", f"{x[peak]:.2f}"])
         plot_differentials(row, curves)
         row[0].set_title(name, fontsize=10)
+    plt.tight_layout()
     figure.images.append(bench.save("figure-5.png"))
     figure.text.append(
-        f"{sets} sets of {bench.count(1700)} samples each. CCST has the empty disk and the single "
-        "high peak of blue noise and little after it; Lloyd's relaxation goes on ringing, as "
-        "crystals do; Poisson disks are the least regular. No method prefers a direction: the "
+        f"{sets} sets of {bench.count(1700)} samples each. All have the empty disk of blue "
+        "noise. After its first peak CCST rings less than Lloyd's relaxation, which is nearer to a "
+        "crystal, and more than Poisson disks, which are the least regular. No method prefers a direction: the "
         f"anisotropy stays at {-10 * np.log10(sets):.0f} dB, what {sets} isotropic sets show."
     )
     return figure

@@ -129,15 +129,13 @@ absl::Status Run(const Options& options) {
 }  // namespace ccst::paper
 
 int main(int argc, char** argv) {
-  using ccst::paper::Points;
   ccst::paper::Options options;
   CLI::App app("The paper's Algorithm 1 step by step");
   app.add_option("mesh", options.mesh, "Closed surface of one piece")->required();
   app.add_option("--count", options.count, "Samples");
   app.add_option("--seed", options.seed, "Seed");
   app.add_option("--points", options.points, "Where samples start")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Points>{
-          {"strata", Points::kStrata}, {"white", Points::kWhite}, {"uneven", Points::kUneven}}));
+      ->transform(CLI::CheckedTransformer(ccst::paper::PointsByName()));
   app.add_option("--energy", options.energy, "What is minimised")
       ->transform(CLI::CheckedTransformer(std::map<std::string, ccst::Energy>{
           {"target", ccst::Energy::kTarget}, {"squared-area", ccst::Energy::kSquaredArea}}));

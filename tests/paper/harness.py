@@ -120,5 +120,12 @@ def show(axes, image, title=""):
     axes.set_title(title, fontsize=9)
 
 
+def show_halves(over, under, picture, title=""):
+    """The samples of a picture into one axes, the sample mesh into the other."""
+    points, triangles = panels(picture)
+    show(over, points, title)
+    show(under, triangles)
+
+
 def say(message):
     print(message, file=sys.stderr, flush=True)

@@ -27,6 +27,15 @@ absl::StatusOr<Density> UnevenDensity(const Surface& surface) {
 
 }  // namespace
 
+const std::map<std::string, Points>& PointsByName() {
+  static const std::map<std::string, Points>* const names =
+      new std::map<std::string, Points>{{"strata", Points::kStrata},
+                                        {"white", Points::kWhite},
+                                        {"uneven", Points::kUneven},
+                                        {"even", Points::kEven}};
+  return *names;
+}
+
 absl::StatusOr<Start> DrawStart(const TriangleMesh& mesh, std::int64_t count, std::uint64_t seed,
                                 Points points) {
   Interrupt never;
@@ -46,8 +55,11 @@ absl::StatusOr<Start> DrawStart(const TriangleMesh& mesh, std::int64_t count, st
     if (points == Points::kUneven) {
       CCST_ASSIGN_OR_RETURN(uneven, UnevenDensity(surface));
     }
+    const MethodControl control{.interrupt = &never};
     CCST_ASSIGN_OR_RETURN(const std::vector<SurfacePoint> drawn,
-                          DrawWhiteNoise(surface, uneven, count, seed, {.interrupt = &never}));
+                          points == Points::kEven
+                              ? EliminateSamples(surface, uniform, count, seed, control)
+                              : DrawWhiteNoise(surface, uneven, count, seed, control));
     samples.Resize(static_cast<std::int32_t>(count));
     for (std::int32_t i = 0; i < samples.count(); ++i) samples.Place(i, surface, drawn[i]);
   }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <string>
 
 #include "absl/status/statusor.h"
 #include "core/crust/crust.h"
@@ -29,7 +31,11 @@ enum class Points {
   kStrata,  ///< As the sampler draws them: one in each of n strata.
   kWhite,   ///< As the paper does: independent.
   kUneven,  ///< Independent and four times as dense in one half of the surface.
+  kEven,    ///< Blue noise already, by sample elimination.
 };
+
+/// What each is called on a command line.
+const std::map<std::string, Points>& PointsByName();
 
 /// @errors what Repair(), Surface::Build() and MakePlan() say; INVALID_ARGUMENT for surfaces in
 ///         several pieces or with boundary.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -56,24 +57,65 @@ double Deviation(const Curve& curve, double from, double to, double expected) {
   return worst;
 }
 
+// What is measured of n independent samples varies as counts of their pairs do. These deviations
+// are of curves from `centers` samples in all sets; a test compares some hundred values, so that
+// one beyond kMostDeviations comes up in about one of a thousand tests.
+constexpr double kMostDeviations = 4.5;
+
+// Of the radial mean: pairs in a ring, each seen from both ends, are Poisson distributed.
+double RadialDeviation(double x, double width, double centers) {
+  return 1.0 / std::sqrt(0.5 * centers * 2.0 * M_PI * x * width);
+}
+
+// Of the power at a frequency: 1 + (2 / centers) sum over the pairs of w(r) J_0(2 pi f r).
+// `variance` is that of a pair at a distance, 1 where all vary; the quarter is the noise of the
+// points at which the area is counted, four a sample.
+double PowerDeviation(double frequency, double centers,
+                      const std::function<double(double)>& variance) {
+  const double reach = Differentials::kReach;
+  double sum = 0.0;
+  for (double r = 0.01; r < reach; r += 0.02) {
+    const double window =
+        0.42 + 0.5 * std::cos(M_PI * r / reach) + 0.08 * std::cos(2.0 * M_PI * r / reach);
+    const double wave = ::j0(2.0 * M_PI * frequency * r);
+    sum += 2.0 * M_PI * r * window * window * wave * wave * (variance(r) + 0.25) * 0.02;
+  }
+  return std::sqrt(2.0 / centers * sum);
+}
+
+double AllVary(double /*distance*/) { return 1.0; }
+
 TEST(Differentials, WhiteNoiseIsFlatOnAnySurface) {
+  constexpr int kSets = 4;
+  constexpr int kCount = 1000;
   for (const TriangleMesh& mesh :
        {shapes::Icosphere(4), shapes::Cube(), shapes::Torus(1.0, 0.2, 80, 20), shapes::Saddle(20),
         shapes::PlateWithHoles(2, 2)}) {
     const Surface surface = *Surface::Build(mesh);
     const Density density = Density::Uniform(surface);
-    Differentials differentials(1000);
-    for (int seed = 0; seed < 4; ++seed) {
-      differentials.AddSurface(surface, density, WhiteNoise(surface, density, 1000, seed));
+    Differentials differentials(kCount);
+    for (int seed = 0; seed < kSets; ++seed) {
+      differentials.AddSurface(surface, density, WhiteNoise(surface, density, kCount, seed));
     }
-    // 1300 pairs in the ring from 0.5 to 0.6 spacings, more in all others.
-    EXPECT_LT(Deviation(differentials.RadialMean(0.1), 0.5, 8.0, 1.0), 0.12);
-    const Curve power = differentials.PowerSpectrum();
-    EXPECT_LT(Deviation(power, 0.3, 7.0, 1.0), 0.35);
-    double mean = 0.0;
-    for (const double y : power.y) mean += y / static_cast<double>(power.y.size());
-    EXPECT_NEAR(mean, 1.0, 0.02);
-    EXPECT_LT(Deviation(differentials.Anisotropy(), 0.5, 8.0, -10.0 * std::log10(4.0)), 1.5);
+    const Curve radial = differentials.RadialMean(0.1);
+    for (std::size_t i = 0; i < radial.x.size(); ++i) {
+      if (radial.x[i] < 0.5) continue;  // Fewer than a thousand pairs are not normally distributed.
+      EXPECT_NEAR(radial.y[i], 1.0,
+                  kMostDeviations * RadialDeviation(radial.x[i], 0.1, kSets * kCount));
+    }
+    const Curve power = differentials.PowerSpectrum(7.0, 0.05);
+    for (std::size_t i = 0; i < power.x.size(); ++i) {
+      if (power.x[i] < 0.3) continue;  // The window's own transform.
+      EXPECT_NEAR(power.y[i], 1.0,
+                  kMostDeviations * PowerDeviation(power.x[i], kSets * kCount, AllVary))
+          << power.x[i];
+    }
+    const Curve anisotropy = differentials.Anisotropy();
+    const std::vector<double> noise = differentials.AnisotropyNoise(anisotropy);
+    for (std::size_t i = 0; i < anisotropy.x.size(); ++i) {
+      if (anisotropy.x[i] < 0.5) continue;
+      EXPECT_NEAR(anisotropy.y[i], -10.0 * std::log10(kSets), kMostDeviations * noise[i]);
+    }
   }
 }
 
@@ -92,8 +134,18 @@ TEST(Differentials, DensityIsScaledAway) {
     scaled.AddSurface(surface, density, points);
     unscaled.AddSurface(surface, Density::Uniform(surface), points);
   }
-  EXPECT_LT(Deviation(scaled.RadialMean(0.1), 0.5, 8.0, 1.0), 0.12);
-  EXPECT_GT(Deviation(unscaled.RadialMean(0.1), 0.5, 8.0, 1.0), 0.2);
+  const auto worst = [](const Differentials& differentials) {
+    const Curve radial = differentials.RadialMean(0.1);
+    double deviations = 0.0;
+    for (std::size_t i = 0; i < radial.x.size(); ++i) {
+      if (radial.x[i] < 0.5) continue;
+      deviations = std::max(
+          deviations, std::abs(radial.y[i] - 1.0) / RadialDeviation(radial.x[i], 0.1, 4000.0));
+    }
+    return deviations;
+  };
+  EXPECT_LT(worst(scaled), kMostDeviations);
+  EXPECT_GT(worst(unscaled), 2.0 * kMostDeviations);
 }
 
 // Samples in the plane lifted to a mesh, and in the same plane as a torus: away from the boundary
@@ -123,11 +175,27 @@ TEST(Differentials, PlaneOfFacesAgreesWithTheTorus) {
   const Curve mesh = on_mesh.RadialMean(0.1);
   const Curve torus = on_torus.RadialMean(0.1);
   ASSERT_EQ(mesh.x, torus.x);
-  for (std::size_t i = 0; i < mesh.x.size(); ++i) EXPECT_NEAR(mesh.y[i], torus.y[i], 0.1);
-  const Curve mesh_power = on_mesh.PowerSpectrum();
-  const Curve torus_power = on_torus.PowerSpectrum();
+  // Of the pairs of the torus the mesh lacks those over its border, the share that a square with a
+  // side of 32 spacings loses to a shift by x. The mean of the rest varies about that of all.
+  const auto lost = [](double x) {
+    const double share = std::min(0.9, 4.0 * x / (M_PI * 32.0) - x * x / (M_PI * 32.0 * 32.0));
+    return share / (1.0 - share);
+  };
+  constexpr double kCenters = 2 * 1024.0;
+  for (std::size_t i = 0; i < mesh.x.size(); ++i) {
+    const double one = RadialDeviation(mesh.x[i], 0.1, kCenters);
+    EXPECT_NEAR(mesh.y[i], torus.y[i],
+                kMostDeviations * one * std::sqrt((lost(mesh.x[i]) + 0.25) * torus.y[i]))
+        << mesh.x[i];
+  }
+  const Curve mesh_power = on_mesh.PowerSpectrum(7.0, 0.05);
+  const Curve torus_power = on_torus.PowerSpectrum(7.0, 0.05);
   for (std::size_t i = 0; i < mesh_power.x.size(); ++i) {
-    EXPECT_NEAR(mesh_power.y[i], torus_power.y[i], 0.15);
+    // A spectrum varies by its own height, where that is more than white noise's.
+    EXPECT_NEAR(mesh_power.y[i], torus_power.y[i],
+                kMostDeviations * std::max(1.0, torus_power.y[i]) *
+                    PowerDeviation(mesh_power.x[i], kCenters, lost))
+        << mesh_power.x[i];
   }
 }
 

@@ -104,6 +104,29 @@ TEST(GeodesicDisc, GreatCirclesAreMeasuredOnASphere) {
   EXPECT_LT(worst, 0.01);
 }
 
+// Inside and outside of a torus bend ways apart and together: paths of faces that are not straight
+// lay a face anywhere.
+TEST(GeodesicDisc, NoFaceOfATorusIsNearerThanItsChordAndNoneIsLeftOut) {
+  const Surface surface = Of(shapes::Torus(1.0, 0.45, 60, 30));
+  GeodesicDisc disc(surface);
+  const double radius = 1.0 / surface.unit();
+  for (std::int32_t f = 0; f < surface.face_count(); f += 37) {
+    const SurfacePoint center = Middle(surface, f);
+    std::vector<bool> found(surface.face_count(), false);
+    for (const FlatFace& flat : disc.Unfold(center, radius)) {
+      found[flat.face] = true;
+      if (flat.face == f) continue;
+      const double chord = (Middle(surface, flat.face).position - center.position).norm();
+      EXPECT_GE(flat.At(Eigen::Vector3d::Constant(1.0 / 3.0)).norm(), 0.99 * chord);
+    }
+    for (std::int32_t g = 0; g < surface.face_count(); ++g) {
+      // Around a tube the way is at most pi / 2 times the chord.
+      const double chord = (Middle(surface, g).position - center.position).norm();
+      EXPECT_TRUE(found[g] || 1.6 * chord > radius) << g;
+    }
+  }
+}
+
 TEST(GeodesicDisc, OtherSideOfAThinPlateIsAroundTheRim) {
   // A box 1 x 1 x 0.02, each side in 50 x 50 quads: opposite points in the middle are far apart.
   TriangleMesh plate = shapes::Subdivided(

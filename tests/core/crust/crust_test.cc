@@ -63,6 +63,18 @@ TEST(Crust, EvenPointsOfATorusGiveTheTorus) {
   EXPECT_GT(Volume(points, crust), 0.0) << "not outwards";
 }
 
+// Samples closer than the vertices of the surface lie in its faces by fours, exactly in one plane.
+TEST(Crust, EvenPointsInLargeFlatFacesGiveTheSurface) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const auto points = Draw(shapes::Icosphere(1), 2000, Spread::kPoissonDisk, seed);
+    const Crust crust = *ReconstructByCrust(points);
+    const quality::MeshTopology topology = Topology(points, crust);
+    EXPECT_TRUE(topology.IsManifold()) << topology.first_defect;
+    EXPECT_EQ(topology.euler, 2);
+    EXPECT_GT(Volume(points, crust), 0.0) << "not outwards";
+  }
+}
+
 TEST(Crust, PiecesFarApartStaySo) {
   const TriangleMesh sphere = shapes::Icosphere(3);
   const TriangleMesh two[] = {sphere, shapes::Moved(sphere, Eigen::Vector3d(3, 0, 0))};
