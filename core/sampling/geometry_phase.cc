@@ -7,26 +7,28 @@
 
 #include <Eigen/Geometry>
 
+#include "core/sampling/ring.h"
 #include "core/surface/frame.h"
 
 namespace ccst {
 namespace {
 
-constexpr int kMaxRing = 96;
 constexpr int kMaxHalvings = 4;
-/// Least cosine between a triangle and the surface after a move, unless it was worse before.
-constexpr double kLeastFacing = 0.2;
 /// Longest step in units of the local spacing.
 constexpr double kLongestStep = 0.5;
 /// Neighbours on a boundary loop do not come nearer than this, in units of the local spacing.
 constexpr double kLeastBoundarySpacing = 0.8;
 /// Relative change of a triangle's density that counts as none.
 constexpr double kDensityRest = 0.01;
-/// Bounds a triangle's capacity away from zero in the majoriser's gradient.
-constexpr double kLeastCapacity = 0.05;
-
 /// Fewer samples are one block: they are not worth several threads.
 constexpr std::int32_t kLeastForBlocks = 32768;
+
+/// Marks in next_: active, and active with its whole ring.
+constexpr std::uint8_t kAlone = 1;
+constexpr std::uint8_t kWithRing = 2;
+
+/// Triangles that one thread sums up in one go.
+constexpr std::int32_t kPiece = 8192;
 
 /// Vertices of a block: enough that few lie between blocks, few enough that there are many blocks.
 /// Of the number of samples alone, for the order of the visits follows from it.
@@ -34,36 +36,11 @@ std::int32_t BlockSize(std::int32_t count) {
   return count < kLeastForBlocks ? count : std::clamp(count / 32, 1024, 8192);
 }
 
-/// Square of the cosine between `cross` and `up`, with its sign; -1 where either vanishes.
-double SignedFacing(const Eigen::Vector3d& cross, const Eigen::Vector3d& up) {
-  const double dot = cross.dot(up);
-  const double scale = cross.squaredNorm() * up.squaredNorm();
-  return scale > 0.0 ? dot * std::abs(dot) / scale : -1.0;
-}
-
-bool FacesEnough(const Eigen::Vector3d& cross, const Eigen::Vector3d& up) {
-  const double dot = cross.dot(up);
-  return dot > 0.0 &&
-         dot * dot > kLeastFacing * kLeastFacing * cross.squaredNorm() * up.squaredNorm();
+double SpacingOf(const Ring& ring, const RingSums& sums) {
+  return std::sqrt(2.0 / std::sqrt(3.0) * sums.area / ring.triangles);
 }
 
 }  // namespace
-
-/// The neighbours of one vertex, counter-clockwise, and what the update needs of them.
-struct GeometryPhase::Ring {
-  int neighbours = 0;
-  int triangles = 0;   ///< As many as neighbours, or one less on the boundary.
-  double scale = 0.0;  ///< c = scale * density * |cross product|.
-  double energy = 0.0;
-  double least_facing = 0.0;  ///< SignedFacing() of the worst triangle that does not face enough.
-  double spacing = 0.0;
-  std::array<std::int32_t, kMaxRing> vertex;
-  std::array<std::int32_t, kMaxRing> half_edge;  ///< Towards the neighbour; -1 for the last of a
-                                                 ///< boundary vertex, which has none.
-  std::array<Eigen::Vector3d, kMaxRing> position;
-  std::array<Eigen::Vector3d, kMaxRing> normal;
-  std::array<double, kMaxRing> density;  ///< Of the triangle from this neighbour to the next.
-};
 
 GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, const Plan* plan,
                              Energy energy, const SampleMesh* mesh, Samples* samples,
@@ -80,8 +57,13 @@ GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, con
   scale_.reserve(plan->components.size());
   for (const ComponentPlan& component : plan->components) scale_.push_back(1.0 / component.target);
   active_.assign(samples->count(), 0);
-  next_.assign(samples->count(), 1);
+  next_.assign(samples->count(), kAlone);
   moved_.assign(samples->count(), 1);
+  places_.resize(samples->count());
+  normals_.resize(samples->count());
+  for (std::int32_t v = 0; v < samples->count(); ++v) NotePlace(v);
+  known_.resize(samples->count());
+  for (KnownRing& ring : known_) ring[0] = -1;
   if (density->uniform()) return;
   mean_density_.assign(mesh->triangle_count(), 1.0);
   is_outdated_.assign(samples->count(), 0);
@@ -124,18 +106,30 @@ void GeometryPhase::UpdateDensities(Interrupt* interrupt) {
     const double before = mean_density_[t];
     mean_density_[t] = MeanDensity(t);
     if (std::abs(mean_density_[t] - before) <= kDensityRest * before) continue;
-    for (int k = 0; k < 3; ++k) next_[corner[k]] = 1;
+    for (int k = 0; k < 3; ++k) next_[corner[k]] = kAlone;
   }
   std::fill(is_outdated_.begin(), is_outdated_.end(), std::uint8_t{0});
 }
 
 void GeometryPhase::Activate(std::int32_t v) {
-  next_[v] = 1;
   if (!is_outdated_.empty()) is_outdated_[v] = 1;
+  NotePlace(v);
+  const auto wake = [&](std::int32_t u) {
+    next_[u] = kAlone;
+    known_[u][0] = -1;
+  };
+  wake(v);
   mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
-    next_[mesh_.Target(h)] = 1;
-    next_[mesh_.Apex(h)] = 1;
+    wake(mesh_.Target(h));
+    wake(mesh_.Apex(h));
   });
+}
+
+void GeometryPhase::ActivateFlipped(std::int32_t v) {
+  // Whoever became a neighbour since the first call is named too.
+  if (next_[v] == kWithRing) return;
+  Activate(v);
+  next_[v] = kWithRing;
 }
 
 void GeometryPhase::DeactivateAll() { std::fill(next_.begin(), next_.end(), std::uint8_t{0}); }
@@ -152,12 +146,25 @@ double GeometryPhase::Capacity(std::int32_t t) const {
 
 GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
   if (mesh_.triangle_count() == 0) return {};
+  // Sums of pieces, put together in their order: the same bits on any number of threads.
+  const std::int32_t count = mesh_.triangle_count();
+  std::vector<std::array<double, 2>> sums((count + kPiece - 1) / kPiece);
+  parallel_.For(static_cast<std::int64_t>(sums.size()), [&](std::int64_t p) {
+    const auto first = static_cast<std::int32_t>(p) * kPiece;
+    double sum = 0.0;
+    double squares = 0.0;
+    for (std::int32_t t = first; t < first + std::min(kPiece, count - first); ++t) {
+      const double c = Capacity(t);
+      sum += c;
+      squares += c * c;
+    }
+    sums[static_cast<std::size_t>(p)] = {sum, squares};
+  });
   double sum = 0.0;
   double squares = 0.0;
-  for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
-    const double c = Capacity(t);
-    sum += c;
-    squares += c * c;
+  for (const std::array<double, 2>& piece : sums) {
+    sum += piece[0];
+    squares += piece[1];
   }
   const double mean = sum / mesh_.triangle_count();
   const double square = squares / mesh_.triangle_count();
@@ -167,114 +174,91 @@ GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
   return spread;
 }
 
-bool GeometryPhase::Gather(std::int32_t v, Ring* ring) const {
-  int count = 0;
+void GeometryPhase::NotePlace(std::int32_t v) {
+  const Eigen::Vector3d& position = samples_.position[v];
+  const Eigen::Vector3f normal = samples_.normal[v].cast<float>();
+  places_[v] = {position[0], position[1], position[2], 0.0};
+  normals_[v] = {normal[0], normal[1], normal[2], 0.0F};
+}
+
+void GeometryPhase::MoveTo(std::int32_t v, const SurfacePoint& point,
+                           const Eigen::Vector3d& normal) {
+  samples_.position[v] = point.position;
+  samples_.face[v] = point.face;
+  samples_.weights[v] = point.weights;
+  samples_.normal[v] = normal;
+  NotePlace(v);
+}
+
+bool GeometryPhase::Gather(std::int32_t v, Ring* ring) {
+  ring->neighbours = 0;
+  ring->scale = 0.5 * scale_[samples_.component[v]];
+  ring->uniform = mean_density_.empty();
+  const bool is_plain = ring->uniform && samples_.kind[v] == SampleMesh::Kind::kInterior;
+  KnownRing* known = is_plain ? &known_[v] : nullptr;
+  if (known != nullptr && (*known)[0] >= 0) {
+    for (const std::int32_t u : *known) {
+      if (u < 0) break;
+      ring->vertex[ring->neighbours++] = u;
+    }
+    Finish(/*closed=*/true, places_.data(), normals_.data(), registers_, ring);
+    return true;
+  }
   const std::int32_t start = mesh_.outgoing[v];
   if (start < 0) return false;  // A point.
   std::int32_t h = start;
   const auto add = [&](std::int32_t u, std::int32_t half_edge) {
-    ring->vertex[count] = u;
-    ring->half_edge[count] = half_edge;
-    ring->position[count] = samples_.position[u];
-    ring->normal[count] = samples_.normal[u];
-    ring->density[count] =
-        mean_density_.empty() || half_edge < 0 ? 1.0 : mean_density_[half_edge / 3];
-    ++count;
+    ring->vertex[ring->neighbours] = u;
+    ring->half_edge[ring->neighbours] = half_edge;
+    if (!ring->uniform && half_edge >= 0) {
+      ring->density[ring->neighbours] = mean_density_[half_edge / 3];
+    }
+    ++ring->neighbours;
   };
-  while (true) {
-    if (count + 1 >= kMaxRing) return false;
+  bool closed = false;
+  while (!closed) {
+    if (ring->neighbours + 1 >= Ring::kMost) return false;
     add(mesh_.Target(h), h);
-    const std::int32_t previous = SampleMesh::Previous(h);
-    const std::int32_t turned = mesh_.twin[previous];
+    const std::int32_t turned = mesh_.Rotate(h);
     if (turned < 0) {
-      add(mesh_.origin[previous], -1);
-      ring->triangles = count - 1;
+      add(mesh_.Apex(h), -1);
       break;
     }
-    if (turned == start) {
-      ring->triangles = count;
-      break;
-    }
+    closed = turned == start;
     h = turned;
   }
-  ring->neighbours = count;
-  ring->scale = 0.5 * scale_[samples_.component[v]];
+  Finish(closed, places_.data(), normals_.data(), registers_, ring);
+  if (closed && known != nullptr && ring->neighbours <= static_cast<int>(known->size())) {
+    known->fill(-1);
+    std::copy_n(ring->vertex.begin(), ring->neighbours, known->begin());
+  }
   return true;
 }
 
-bool GeometryPhase::Evaluate(const Ring& ring, const Eigen::Vector3d& position,
-                             const Eigen::Vector3d& normal, double* energy) const {
-  double sum = 0.0;
-  for (int i = 0; i < ring.triangles; ++i) {
-    const int j = i + 1 == ring.neighbours ? 0 : i + 1;
-    const Eigen::Vector3d cross = (ring.position[i] - position).cross(ring.position[j] - position);
-    const double length = cross.norm();
-    const Eigen::Vector3d up = normal + ring.normal[i] + ring.normal[j];
-    if (!FacesEnough(cross, up) && SignedFacing(cross, up) <= ring.least_facing) return false;
-    const double c = ring.scale * ring.density[i] * length;
-    sum += energy_ == Energy::kTarget ? (c - 1.0) * (c - 1.0) : c * c;
-    if (sum > ring.energy) return false;
-  }
-  *energy = sum;
-  return true;
+bool GeometryPhase::Improves(const Ring& ring, const RingSums& before,
+                             const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
+                             RingAngles* angles) const {
+  double energy = 0.0;
+  return Evaluate(ring, energy_, position, normal, before.least_facing, registers_, &energy,
+                  angles) &&
+         energy <= before.energy;
 }
 
-template <typename F>
-Eigen::Vector3d GeometryPhase::Sum(const Eigen::Vector3d& s, const Eigen::Vector3d& n, Ring* ring,
-                                   F&& add_edge) const {
-  // For a triangle (s, p, q) with opposite edge e = q - p and cross product x,
-  // grad |x|^2 = 2 x cross e and hess |x|^2 = 2 (|e|^2 I - e e'); c^2 weighs it with density^2.
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  double area = 0.0;
-  ring->energy = 0.0;
-  ring->least_facing = 1.0;
-  for (int i = 0; i < ring->triangles; ++i) {
-    const int j = i + 1 == ring->neighbours ? 0 : i + 1;
-    const Eigen::Vector3d e = ring->position[j] - ring->position[i];
-    const Eigen::Vector3d cross = (ring->position[i] - s).cross(ring->position[j] - s);
-    const double length = cross.norm();
-    const double c = ring->scale * ring->density[i] * length;
-    area += length;
-    const Eigen::Vector3d up = n + ring->normal[i] + ring->normal[j];
-    if (!FacesEnough(cross, up)) {
-      ring->least_facing = std::min(ring->least_facing, SignedFacing(cross, up));
-    }
-    double pull = 1.0;
-    if (energy_ == Energy::kTarget) {
-      ring->energy += (c - 1.0) * (c - 1.0);
-      pull = 1.0 - 1.0 / std::max(c, kLeastCapacity);
-    } else {
-      ring->energy += c * c;
-    }
-    const double weight = ring->density[i] * ring->density[i];
-    gradient += weight * pull * cross.cross(e);
-    add_edge(e, weight);
-  }
-  ring->spacing = std::sqrt(2.0 / std::sqrt(3.0) * area / ring->triangles);
-  return gradient;
-}
-
-double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring) {
+double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring, RingAngles* angles) {
   const Eigen::Vector3d s = samples_.position[v];
   const Eigen::Vector3d n = samples_.normal[v];
   Eigen::Vector3d t1;
   Eigen::Vector3d t2;
   TangentFrame(n, &t1, &t2);
 
-  double h11 = 0.0;
-  double h12 = 0.0;
-  double h22 = 0.0;
-  const Eigen::Vector3d gradient = Sum(s, n, ring, [&](const Eigen::Vector3d& e, double weight) {
-    const double e1 = e.dot(t1);
-    const double e2 = e.dot(t2);
-    const double ee = e.squaredNorm();
-    h11 += weight * (ee - e1 * e1);
-    h12 -= weight * (e1 * e2);
-    h22 += weight * (ee - e2 * e2);
-  });
-  const double g1 = gradient.dot(t1);
-  const double g2 = gradient.dot(t2);
-  const double bend = gradient.dot(n);
+  const RingSums sums = Sum(*ring, energy_, s, n, t1, t2, registers_);
+  ring->spacing = SpacingOf(*ring, sums);
+  const double h11 = sums.h11;
+  const double h12 = sums.h12;
+  const double h22 = sums.h22;
+  const double g1 = sums.gradient.dot(t1);
+  const double g2 = sums.gradient.dot(t2);
+  const double bend = sums.gradient.dot(n);
   const Eigen::Matrix<double, 6, 1> shape = surface_.ShapeAt(samples_.face[v], samples_.weights[v]);
   const double ii11 = TensorProduct(shape, t1, t1);
   const double ii12 = TensorProduct(shape, t1, t2);
@@ -305,18 +289,14 @@ double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring) {
     const double rise = 0.5 * (ii11 * du * du + 2.0 * ii12 * du * dw + ii22 * dw * dw);
     const SurfacePoint point = surface_.Follow(samples_.face[v], s + du * t1 + dw * t2 + rise * n);
     const Eigen::Vector3d normal = surface_.NormalAt(point.face, point.weights);
-    double energy = 0.0;
-    if (!Evaluate(*ring, point.position, normal, &energy)) continue;
-    samples_.position[v] = point.position;
-    samples_.face[v] = point.face;
-    samples_.weights[v] = point.weights;
-    samples_.normal[v] = normal;
+    if (!Improves(*ring, sums, point.position, normal, angles)) continue;
+    MoveTo(v, point, normal);
     return (point.position - s).norm();
   }
   return 0.0;
 }
 
-double GeometryPhase::MoveAlong(std::int32_t v, Ring* ring) {
+double GeometryPhase::MoveAlong(std::int32_t v, Ring* ring, RingAngles* angles) {
   const std::int32_t loop = samples_.loop[v];
   const double length = plan_.loops[loop].length;
   const double rate = plan_.loops[loop].rate[plan_.loops[loop].Segment(samples_.arc[v])];
@@ -335,23 +315,23 @@ double GeometryPhase::MoveAlong(std::int32_t v, Ring* ring) {
     const SurfacePoint further = PointOnLoop(
         surface_, plan_, loop,
         std::min(samples_.arc[v] + 1e-3 * length, plan_.loops[loop].open ? length : 2.0 * length));
-    if ((further.position - s).dot(ring->position[ahead] - ring->position[behind]) < 0.0) {
-      std::swap(ahead, behind);
-    }
+    const Eigen::Vector3d chord =
+        samples_.position[ring->vertex[ahead]] - samples_.position[ring->vertex[behind]];
+    if ((further.position - s).dot(chord) < 0.0) std::swap(ahead, behind);
   }
-  const Eigen::Vector3d chord = ring->position[ahead] - ring->position[behind];
+  const Eigen::Vector3d& position_ahead = samples_.position[ring->vertex[ahead]];
+  const Eigen::Vector3d& position_behind = samples_.position[ring->vertex[behind]];
+  const Eigen::Vector3d chord = position_ahead - position_behind;
   const double chord_length = chord.norm();
   if (!(chord_length > 0.0)) return 0.0;
   const Eigen::Vector3d t = chord / chord_length;
-  double curvature = 0.0;
-  const Eigen::Vector3d gradient = Sum(s, n, ring, [&](const Eigen::Vector3d& e, double weight) {
-    curvature += weight * (e.squaredNorm() - e.dot(t) * e.dot(t));
-  });
+  const RingSums sums = Sum(*ring, energy_, s, n, t, t, registers_);
+  ring->spacing = SpacingOf(*ring, sums);
+  const double curvature = sums.h11;
   if (!(curvature > 0.0)) return 0.0;
-  const double wanted = -gradient.dot(t) / curvature;
+  const double wanted = -sums.gradient.dot(t) / curvature;
   if (!(std::abs(wanted) > 0.1 * rest * ring->spacing)) return 0.0;
-  const double nearest =
-      std::min((ring->position[ahead] - s).norm(), (ring->position[behind] - s).norm());
+  const double nearest = std::min((position_ahead - s).norm(), (position_behind - s).norm());
   const double longest = std::min(kLongestStep * ring->spacing, 0.4 * nearest);
   const double least = std::min(nearest, kLeastBoundarySpacing * ring->spacing);
   double step = std::clamp(stretch * wanted, -longest, longest);
@@ -364,55 +344,47 @@ double GeometryPhase::MoveAlong(std::int32_t v, Ring* ring) {
     }
     if (!(arc >= 0.0 && arc < length)) arc = 0.0;
     const SurfacePoint point = PointOnLoop(surface_, plan_, loop, arc);
-    if ((ring->position[ahead] - point.position).norm() < least ||
-        (ring->position[behind] - point.position).norm() < least) {
+    if ((position_ahead - point.position).norm() < least ||
+        (position_behind - point.position).norm() < least) {
       continue;
     }
     const Eigen::Vector3d normal = surface_.NormalAt(point.face, point.weights);
-    double energy = 0.0;
-    if (!Evaluate(*ring, point.position, normal, &energy)) continue;
-    samples_.position[v] = point.position;
-    samples_.face[v] = point.face;
-    samples_.weights[v] = point.weights;
-    samples_.normal[v] = normal;
+    if (!Improves(*ring, sums, point.position, normal, angles)) continue;
+    MoveTo(v, point, normal);
     samples_.arc[v] = arc;
     return (point.position - s).norm();
   }
   return 0.0;
 }
 
-void GeometryPhase::FindSpoiltEdges(std::int32_t v, const Ring& ring,
+void GeometryPhase::FindSpoiltEdges(std::int32_t v, const Ring& ring, const RingAngles& angles,
                                     std::vector<std::int32_t>* spoilt_edges) const {
-  const Eigen::Vector3d& s = samples_.position[v];
-  // Around a closed ring every spoke has a triangle on each side; on the boundary the inner ones.
-  const bool closed = ring.triangles == ring.neighbours;
-  const int first = closed ? 0 : 1;
-  const int end = closed ? ring.neighbours : ring.neighbours - 1;
-  for (int i = first; i < end; ++i) {
-    const Eigen::Vector3d& q = ring.position[i];
-    const Eigen::Vector3d& a = ring.position[i == 0 ? ring.neighbours - 1 : i - 1];
-    const Eigen::Vector3d& b = ring.position[i + 1 == ring.neighbours ? 0 : i + 1];
-    const double cos_a = (s - a).dot(q - a);
-    const double cos_b = (s - b).dot(q - b);
-    if (cos_a >= 0.0 && cos_b >= 0.0) continue;
-    const double sin_a = (s - a).cross(q - a).norm();
-    const double sin_b = (s - b).cross(q - b).norm();
-    if (sin_a * cos_b + cos_a * sin_b < 0.0) spoilt_edges->push_back(ring.half_edge[i]);
+  std::array<int, Ring::kMost> spokes;
+  const int count = FindSpoilt(ring, angles, &spokes);
+  if (count == 0) return;
+  std::int32_t h = mesh_.outgoing[v];
+  int at = 0;
+  for (int k = 0; k < count; ++k) {
+    for (; at < spokes[k]; ++at) h = mesh_.Rotate(h);
+    spoilt_edges->push_back(h);
   }
 }
 
 void GeometryPhase::Visit(std::int32_t v, Ring* ring, Block* block) {
-  const double move =
-      samples_.kind[v] == SampleMesh::Kind::kInterior ? MoveInterior(v, ring) : MoveAlong(v, ring);
-  FindSpoiltEdges(v, *ring, &block->spoilt_edges);
+  RingAngles angles;
+  const double move = samples_.kind[v] == SampleMesh::Kind::kInterior
+                          ? MoveInterior(v, ring, &angles)
+                          : MoveAlong(v, ring, &angles);
+  if (!(move > 0.0)) MeasureAngles(*ring, samples_.position[v], registers_, &angles);
+  FindSpoiltEdges(v, *ring, angles, &block->spoilt_edges);
   if (!(move > 0.0)) return;
   const double relative = move / ring->spacing;
   block->largest_move = std::max(block->largest_move, relative);
   if (relative <= rest) return;
   moved_[v] = 1;
   if (!is_outdated_.empty()) is_outdated_[v] = 1;
-  next_[v] = 1;
-  for (int i = 0; i < ring->neighbours; ++i) next_[ring->vertex[i]] = 1;
+  next_[v] = kAlone;
+  for (int i = 0; i < ring->neighbours; ++i) next_[ring->vertex[i]] = kAlone;
 }
 
 double GeometryPhase::Pass(Interrupt* interrupt) {
@@ -432,7 +404,8 @@ double GeometryPhase::Pass(Interrupt* interrupt) {
     Ring ring;
     for (std::int32_t v = first; v < end; ++v) {
       if (!wants_visit(v) || !Gather(v, &ring)) continue;
-      const bool is_inside = std::all_of(ring.vertex.begin(), ring.vertex.begin() + ring.neighbours,
+      const bool is_inside = blocks_.size() == 1 ||
+                             std::all_of(ring.vertex.begin(), ring.vertex.begin() + ring.neighbours,
                                          [&](std::int32_t u) { return u >= first && u < end; });
       if (is_inside) {
         Visit(v, &ring, &block);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "core/density/density.h"
 #include "core/parallel/parallel.h"
 #include "core/sampling/plan.h"
+#include "core/sampling/ring.h"
 #include "core/sampling/sample_mesh.h"
 #include "core/sampling/samples.h"
 #include "core/sampling/sampling.h"
@@ -55,6 +57,9 @@ class GeometryPhase {
 
   /// Marks `v`, whose triangles have changed, and its neighbours for the next pass.
   void Activate(std::int32_t v);
+  /// The same for one whose ring flips have changed; all such are to be named, each as often as one
+  /// likes.
+  void ActivateFlipped(std::int32_t v);
   void DeactivateAll();
 
   /// Half-edges that were not locally Delaunay when the last pass left one of their ends; may
@@ -80,7 +85,6 @@ class GeometryPhase {
   double stretch = 1.5;
 
  private:
-  struct Ring;
   // What a pass over one block leaves.
   struct Block {
     std::vector<std::int32_t> spoilt_edges;
@@ -89,19 +93,17 @@ class GeometryPhase {
   };
   // Moves vertex `v`, whose ring is gathered, and notes in `block` what that changed.
   void Visit(std::int32_t v, Ring* ring, Block* block);
-  bool Gather(std::int32_t v, Ring* ring) const;
-  /// Sets the energy, facing and spacing of `ring` around a vertex at `s` with normal `n`, and
-  /// calls add_edge(opposite edge, weight) for each triangle. @return half the energy's gradient,
-  /// over scale^2.
-  template <typename F>
-  Eigen::Vector3d Sum(const Eigen::Vector3d& s, const Eigen::Vector3d& n, Ring* ring,
-                      F&& add_edge) const;
-  double MoveInterior(std::int32_t v, Ring* ring);
-  double MoveAlong(std::int32_t v, Ring* ring);
-  bool Evaluate(const Ring& ring, const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
-                double* energy) const;
+  // Takes over where sample `v` is now.
+  void NotePlace(std::int32_t v);
+  void MoveTo(std::int32_t v, const SurfacePoint& point, const Eigen::Vector3d& normal);
+  bool Gather(std::int32_t v, Ring* ring);
+  double MoveInterior(std::int32_t v, Ring* ring, RingAngles* angles);
+  double MoveAlong(std::int32_t v, Ring* ring, RingAngles* angles);
+  /// True when moving the vertex there does not raise its ring's energy and turns no triangle over.
+  bool Improves(const Ring& ring, const RingSums& before, const Eigen::Vector3d& position,
+                const Eigen::Vector3d& normal, RingAngles* angles) const;
 
-  void FindSpoiltEdges(std::int32_t v, const Ring& ring,
+  void FindSpoiltEdges(std::int32_t v, const Ring& ring, const RingAngles& angles,
                        std::vector<std::int32_t>* spoilt_edges) const;
   double MeanDensity(std::int32_t t) const;
 
@@ -112,13 +114,20 @@ class GeometryPhase {
   const Parallel& parallel_;
   const SampleMesh& mesh_;
   Samples& samples_;
-  std::vector<double> scale_;  // Per component: 1 / C*.
+  const Registers registers_ = WidestRegisters();
+  std::vector<RingPlace> places_;    // Of the samples.
+  std::vector<RingNormal> normals_;  // Of the samples.
+  std::vector<double> scale_;        // Per component: 1 / C*.
   std::int32_t block_size_ = 0;
   std::vector<Block> blocks_;
   Block between_;  // Of all blocks together, and of what lies between them.
   std::vector<std::uint8_t> active_;
   std::vector<std::uint8_t> next_;
   std::vector<std::uint8_t> moved_;
+  // Neighbours of interior vertices, counter-clockwise from that of the outgoing half-edge, -1
+  // after the last; -1 first where unknown or too many.
+  using KnownRing = std::array<std::int32_t, 8>;
+  std::vector<KnownRing> known_;
   std::vector<double> mean_density_;       // Per triangle; empty where the density is uniform.
   std::vector<std::uint8_t> is_outdated_;  // Per vertex: mean_density_ of its triangles is.
 };

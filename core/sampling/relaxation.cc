@@ -29,11 +29,11 @@ constexpr int kMaxFailedMends = 14;
 constexpr DefectLimits kMendLimits = {.least_facing = 0.2,
                                       .least_separation = 0.66,
                                       .least_angle = 27.0 * std::numbers::pi / 180.0,
-                                      .most_excess = 0.78};
+                                      .most_excess = 0.7};
 
 constexpr DefectLimits kFinalLimits = {.least_facing = kMendLimits.least_facing,
                                        .least_separation = kMendLimits.least_separation,
-                                       .reach = 2,
+                                       .all_near = true,
                                        .least_angle = kMendLimits.least_angle,
                                        .most_excess = kMendLimits.most_excess};
 
@@ -105,24 +105,28 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
   std::vector<Defect> defects;
   const auto update_defects = [&] {
     std::erase_if(defects, [&](const Defect& d) { return changed[d.sample] != 0; });
-    const std::vector<Defect> fresh = FindDefects(surface, density, plan, *mesh, *samples,
-                                                  kFinalLimits, kGraveLimits, changed, interrupt);
+    const std::vector<Defect> fresh =
+        FindDefects(surface, density, plan, *mesh, *samples, kFinalLimits, kGraveLimits, changed,
+                    parallel, interrupt);
     defects.insert(defects.end(), fresh.begin(), fresh.end());
-    std::sort(defects.begin(), defects.end(), [](const Defect& a, const Defect& b) {
-      return a.sample != b.sample ? a.sample < b.sample : a.grave > b.grave;
-    });
-    const auto same = [](const Defect& a, const Defect& b) { return a.sample == b.sample; };
-    defects.erase(std::unique(defects.begin(), defects.end(), same), defects.end());
+    KeepOneEach(&defects);
     std::fill(changed.begin(), changed.end(), std::uint8_t{0});
   };
   const auto find_everywhere = [&](const DefectLimits& limits) {
     return FindDefects(surface, density, plan, *mesh, *samples, limits, limits, everywhere,
-                       interrupt);
+                       parallel, interrupt);
+  };
+  const auto activate_touched = [&](std::size_t first) {
+    for (std::size_t i = first; i < flips.touched.size(); ++i) {
+      geometry.ActivateFlipped(flips.touched[i]);
+    }
   };
   const auto relocate = [&](const std::vector<Defect>& crowded,
                             const std::vector<UncoveredPlace>& uncovered) {
+    const std::size_t before = flips.touched.size();
     state.relocations = Relocate(crowded, uncovered, surface, &projection, &geometry, &flips,
                                  interrupt, mesh, samples);
+    activate_touched(before);
     if (state.relocations > 0) history.clear();
     geometry.UpdateDensities(interrupt);
   };
@@ -147,9 +151,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
       state.max_displacement = std::max(state.max_displacement, move);
       const std::size_t before = flips.touched.size();
       state.flips += flips.FlipThese(geometry.spoilt_edges());
-      for (std::size_t i = before; i < flips.touched.size(); ++i) {
-        geometry.Activate(flips.touched[i]);
-      }
+      activate_touched(before);
       geometry.UpdateDensities(interrupt);
       ++result.passes;
     }

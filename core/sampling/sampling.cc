@@ -20,6 +20,7 @@
 #include "core/sampling/crease_refinement.h"
 #include "core/sampling/density_source.h"
 #include "core/sampling/export.h"
+#include "core/sampling/face_order.h"
 #include "core/sampling/initial_mesh.h"
 #include "core/sampling/initial_points.h"
 #include "core/sampling/other_methods.h"
@@ -228,6 +229,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   enter(Phase::kPreparing);
   CCST_ASSIGN_OR_RETURN(RepairedMesh repaired,
                         Repair(mesh, {.weld_tolerance = options.weld_tolerance}, &stop));
+  SortFaces(&repaired, &stop);
   CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, &stop));
   const std::int64_t vertex_count = surface.vertex_count();
   const std::int64_t face_count = surface.face_count();
@@ -235,6 +237,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   if (options.method == SamplingMethod::kCcst &&
       RefineCreases(surface, kLargestAtCrease * spacing, kMostNewFaces * options.sample_count,
                     &repaired)) {
+    SortFaces(&repaired, &stop);
     CCST_ASSIGN_OR_RETURN(surface, Surface::Build(repaired.mesh, &stop));
   }
   const SourceMap sources(mesh, repaired);

@@ -16,9 +16,6 @@
 
 namespace ccst {
 
-/// Changes whenever equal requests may give other samples.
-inline constexpr int kAlgorithmRevision = 3;
-
 /// Smallest and largest `SamplingOptions::sample_count`.
 inline constexpr std::int64_t kMinSampleCount = 4;
 inline constexpr std::int64_t kMaxSampleCount = 10'000'000;

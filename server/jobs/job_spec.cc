@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "core/base/sha256.h"
+#include "core/sampling/algorithm_revision.h"
 
 namespace ccst::server {
 namespace {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/version.h"
+#include "core/sampling/algorithm_revision.h"
 #include "core/sampling/sampling.h"
 #include "proto/convert/scalars.h"
 

@@ -11,6 +11,7 @@
 
 #include "core/base/version.h"
 #include "core/io/draco_mesh.h"
+#include "core/sampling/algorithm_revision.h"
 #include "google/protobuf/descriptor.h"
 #include "google/protobuf/message.h"
 #include "google/protobuf/text_format.h"

@@ -18,13 +18,13 @@ using sampling_test::MakeStart;
 using sampling_test::Start;
 
 // Random samples crowd: with these limits about every tenth is a defect.
-constexpr DefectLimits kLimits = {.least_separation = 0.5, .reach = 2};
+constexpr DefectLimits kLimits = {.least_separation = 0.5, .all_near = true};
 
 std::vector<Defect> Find(const Start& start, const DefectLimits& limits) {
   Interrupt never;
   const std::vector<std::uint8_t> everywhere(start.samples.count(), 1);
   return FindDefects(start.surface, start.density, start.plan, start.mesh, start.samples, limits,
-                     limits, everywhere, &never);
+                     limits, everywhere, Parallel(), &never);
 }
 
 TEST(FindDefects, NamesInteriorSamplesOnceInOrder) {
@@ -41,8 +41,8 @@ TEST(FindDefects, NamesInteriorSamplesOnceInOrder) {
 
 TEST(FindDefects, LooserLimitsFindLess) {
   const Start start = *MakeStart(shapes::Icosphere(3), 1000, 1);
-  const std::size_t strict = Find(start, {.least_separation = 0.7, .reach = 2}).size();
-  const std::size_t loose = Find(start, {.least_separation = 0.3, .reach = 2}).size();
+  const std::size_t strict = Find(start, {.least_separation = 0.7, .all_near = true}).size();
+  const std::size_t loose = Find(start, {.least_separation = 0.3, .all_near = true}).size();
   EXPECT_GT(strict, loose);
   EXPECT_TRUE(Find(start, {.least_facing = -1.0, .least_separation = 0.0}).empty());
 }
@@ -52,7 +52,7 @@ TEST(FindDefects, LooksOnlyInItsScope) {
   const Start start = *MakeStart(shapes::Icosphere(3), 1000, 1);
   const std::vector<std::uint8_t> nowhere(start.samples.count(), 0);
   EXPECT_TRUE(FindDefects(start.surface, start.density, start.plan, start.mesh, start.samples,
-                          kLimits, kLimits, nowhere, &never)
+                          kLimits, kLimits, nowhere, Parallel(), &never)
                   .empty());
 }
 

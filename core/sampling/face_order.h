@@ -1,0 +1,14 @@
+#pragma once
+
+#include "core/base/interrupt.h"
+#include "core/repair/repair.h"
+
+namespace ccst {
+
+/// Renumbers the faces along the Hilbert curve through their centroids and the vertices as those
+/// use them first, so that what is near on the surface is near in memory. Of a mesh with one set of
+/// positions it depends on the order of faces and vertices in the input only where centroids share
+/// a cell of the curve. Does nothing when `interrupt` was requested. Cost O(F log F).
+void SortFaces(RepairedMesh* repaired, Interrupt* interrupt);
+
+}  // namespace ccst

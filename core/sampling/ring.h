@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "core/sampling/sampling.h"
+
+namespace ccst {
+
+/// What the ring of a vertex needs of a sample: where it is and, as far as it takes to tell which
+/// way a triangle faces, the surface's normal there. Each lies in one line of the cache.
+struct alignas(32) RingPlace {
+  double x, y, z, unused;
+};
+struct alignas(16) RingNormal {
+  float x, y, z, unused;
+};
+
+/// The neighbours of one vertex, counter-clockwise, and the triangles around it, four to a block so
+/// that four are computed at a time.
+struct Ring {
+  static constexpr int kMost = 96;
+
+  /// Four triangles (s, p, q): an array per coordinate of p, of q, and of the sum of the normals at
+  /// p and q. What fills up the last block adds nothing to any sum.
+  struct alignas(32) Block {
+    double p[3][4];
+    double q[3][4];
+    double up[3][4];
+    double density[4];
+    double live[4];  ///< 1 for a triangle, 0 for what fills up.
+  };
+
+  int neighbours = 0;
+  int triangles = 0;     ///< As many as neighbours, or one less on the boundary.
+  double scale = 0.0;    ///< c = scale * density * |cross product|.
+  double spacing = 0.0;  ///< Of a regular ring of this area, once somebody knows.
+  bool uniform = true;   ///< Every density is 1.
+  std::array<std::int32_t, kMost + 8> vertex;
+  std::array<std::int32_t, kMost> half_edge;  ///< Towards the neighbour; -1 for the last of a
+                                              ///< boundary vertex, which has none.
+  std::array<double, kMost + 8> density;      ///< Of the triangle from this neighbour to the next.
+  std::array<Block, kMost / 4 + 1> blocks;
+
+  int block_count() const { return (triangles + 3) / 4; }
+};
+
+/// What Sum() finds around a vertex at s; triangles (s, p, q) with cross product x = (p - s) x
+/// (q - s), opposite edge e = q - p and relative capacity c = scale * density * |x|.
+struct RingSums {
+  double energy = 0.0;        ///< Sum of (c - 1)^2, or of c^2 for Energy::kSquaredArea.
+  double area = 0.0;          ///< Sum of |x|.
+  double least_facing = 1.0;  ///< Of the triangles that do not face the surface enough, the least
+                              ///< square of the cosine, with its sign.
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  ///< Of energy / 2, over scale^2.
+  /// Majoriser of the Hessian in the directions t1 and t2, over scale^2: the sum of
+  /// density^2 (|e|^2 I - e e').
+  double h11 = 0.0;
+  double h12 = 0.0;
+  double h22 = 0.0;
+};
+
+/// The registers to compute in. Every function below gives the same bits in all of them.
+enum class Registers : std::uint8_t { kPortable, kAvx2 };
+/// The widest of this processor.
+Registers WidestRegisters();
+
+/// Closes a ring whose neighbours are named, with their densities unless they are uniform, or, of
+/// a boundary vertex, leaves it open; and fills its blocks. `places` and `normals` are of all
+/// samples.
+void Finish(bool closed, const RingPlace* places, const RingNormal* normals, Registers registers,
+            Ring* ring);
+
+RingSums Sum(const Ring& ring, Energy energy, const Eigen::Vector3d& s, const Eigen::Vector3d& n,
+             const Eigen::Vector3d& t1, const Eigen::Vector3d& t2, Registers registers);
+
+/// Per triangle (s, p, q) around a vertex at s twice its area and that times the cotangents of its
+/// angles at p and q.
+struct alignas(32) RingAngles {
+  std::array<double, Ring::kMost + 4> length;
+  std::array<double, Ring::kMost + 4> at_p;
+  std::array<double, Ring::kMost + 4> at_q;
+};
+
+void MeasureAngles(const Ring& ring, const Eigen::Vector3d& s, Registers registers,
+                   RingAngles* angles);
+
+/// The energy around a vertex at `s` with normal `n`, and its angles.
+/// @return false, with neither, when a triangle neither faces the surface nor faces it better than
+/// `least_facing`.
+bool Evaluate(const Ring& ring, Energy energy, const Eigen::Vector3d& s, const Eigen::Vector3d& n,
+              double least_facing, Registers registers, double* sum, RingAngles* angles);
+
+/// Indices of the neighbours whose edge to the vertex is not locally Delaunay: the two angles
+/// opposite to it sum up to more than pi. @return their number.
+int FindSpoilt(const Ring& ring, const RingAngles& angles, std::array<int, Ring::kMost>* spokes);
+
+}  // namespace ccst
