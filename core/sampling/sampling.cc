@@ -16,6 +16,7 @@
 #include "core/base/status.h"
 #include "core/density/density.h"
 #include "core/mesh/attributes.h"
+#include "core/parallel/parallel.h"
 #include "core/quality/distances.h"
 #include "core/sampling/crease_refinement.h"
 #include "core/sampling/density_source.h"
@@ -304,8 +305,14 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   std::vector<std::int32_t> order;
   if (!stop.Requested()) {
     const std::vector<double> scales = SpacingScales(surface, density, first.samples);
-    order = OrderSamples(surface, first.samples, scales, options, &stop);
-    result.relative_radius = RelativeRadius(surface, first.samples, scales, &stop);
+    Parallel(options.thread_count).For(2, [&, token = stop](std::int64_t task) {
+      Interrupt own = token;
+      if (task == 0) {
+        order = OrderSamples(surface, first.samples, scales, options, &own);
+      } else {
+        result.relative_radius = RelativeRadius(surface, first.samples, scales, &own);
+      }
+    });
   }
   if (stop.Requested()) {
     // Whoever stops a run waits for neither.
