@@ -202,7 +202,9 @@ Curve Differentials::RadialMean(double width) const {
     double found = 0.0;
     for (std::size_t k = bin; k < bin + merged; ++k) found += pairs_[k];
     const std::size_t from = bin > smooth / 2 ? bin - smooth / 2 : 0;
-    const std::size_t to = std::min(bin + merged + smooth / 2, pairs_.size());
+    std::size_t to = std::min(bin + merged + smooth / 2, pairs_.size());
+    // Of samples at the corners of faces no point that stands for the area is very near.
+    while (to < pairs_.size() && !(sums[to] > sums[from])) ++to;
     const double expected = (sums[to] - sums[from]) / ring(from, to) * ring(bin, bin + merged);
     if (!(expected > 0.0)) break;
     curve.x.push_back((static_cast<double>(bin) + 0.5 * static_cast<double>(merged)) * kBinWidth);

@@ -216,6 +216,27 @@ TEST(Differentials, LatticeHasPeaksAtItsDistances) {
   EXPECT_GT(differentials.Anisotropy().y.front(), 20.0);
 }
 
+// As where a sample mesh is the surface: no point of a face's inside is near its corners.
+TEST(Differentials, SamplesAtTheCornersOfFacesHaveAWholeCurve) {
+  const Surface surface = *Surface::Build(shapes::Icosphere(4));
+  std::vector<SurfacePoint> samples;
+  for (std::int32_t v = 0; v < surface.vertex_count(); ++v) {
+    const std::int32_t h = surface.outgoing()[v];
+    SurfacePoint sample;
+    sample.face = h / 3;
+    sample.weights[h % 3] = 1.0;
+    sample.position = surface.positions()[v];
+    samples.push_back(sample);
+  }
+  Differentials differentials(surface.vertex_count());
+  differentials.AddSurface(surface, Density::Uniform(surface), samples);
+  const Curve mean = differentials.RadialMean();
+  ASSERT_GT(mean.x.size(), 20u);
+  EXPECT_LT(mean.x.front(), 0.05);
+  EXPECT_EQ(mean.y.front(), 0.0);
+  EXPECT_GT(*std::max_element(mean.y.begin(), mean.y.end()), 1.5);
+}
+
 TEST(Differentials, ThinPlateHasTheStatisticsOfItsSides) {
   // Two sheets 0.002 apart, joined at their rims: near in space are points of the other side only.
   TriangleMesh plate = shapes::Subdivided(shapes::Subdivided(shapes::Cube()));

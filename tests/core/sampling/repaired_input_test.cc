@@ -19,7 +19,7 @@ using sampling_test::FindFault;
 SamplingResult Sample(const TriangleMesh& mesh, std::int64_t count, double weld_tolerance = 0.0) {
   SamplingOptions options;
   options.sample_count = count;
-  options.max_iterations = 8;
+  options.max_iterations = 40;  // Long enough for what is turned over to be mended.
   options.weld_tolerance = weld_tolerance;
   const absl::StatusOr<SamplingResult> result = SampleSurface(mesh, options);
   EXPECT_TRUE(result.ok()) << result.status();
