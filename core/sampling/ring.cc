@@ -154,6 +154,7 @@ CCST_INLINE void FinishIn(bool closed, const RingPlace* places, const RingNormal
   std::fill_n(ring->vertex.begin() + ring->neighbours, 5,
               ring->vertex[closed ? 0 : ring->neighbours - 1]);
   const int end = 4 * ring->block_count();
+  if (!ring->uniform) std::fill_n(ring->density.begin() + ring->triangles, 4, 0.0);
   const std::int32_t* u = ring->vertex.data();
   for (int i = 0; i < end; i += 4, u += 4) {
     Ring::Block& block = ring->blocks[i / 4];
@@ -166,7 +167,7 @@ CCST_INLINE void FinishIn(bool closed, const RingPlace* places, const RingNormal
     Store(Plus(up, Shifted(up, Row(normals[u[4]]))), block.up);
     const Lanes live = Load(kLive[std::min(ring->triangles - i, 4)]);
     Store(live, block.live);
-    Store(ring->uniform ? live : live * Load(&ring->density[i]), block.density);
+    Store(ring->uniform ? live : Load(&ring->density[i]), block.density);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <vector>
@@ -32,7 +33,8 @@ struct Fixture {
     places.resize(neighbours);
     normals.resize(neighbours);
     ring->uniform = uniform;
-    ring->scale = 0.15 * neighbours;  // No capacity is near nothing.
+    ring->density.fill(std::numeric_limits<double>::quiet_NaN());  // Whatever was there before.
+    ring->scale = 0.15 * neighbours;                               // No capacity is near nothing.
     for (int i = 0; i < neighbours; ++i) {
       const double turn = closed ? 2.0 * std::numbers::pi : 0.8 * std::numbers::pi;
       const double angle = turn * (i + any(-0.2, 0.2)) / neighbours;
