@@ -16,6 +16,9 @@ namespace {
 constexpr int kMaxHalvings = 4;
 /// Longest step in units of the local spacing.
 constexpr double kLongestStep = 0.5;
+/// Shortest Newton step that is made, in units of what counts as rest: far below it, however it
+/// would end.
+constexpr double kLeastStep = 0.1;
 /// Neighbours on a boundary loop do not come nearer than this, in units of the local spacing.
 constexpr double kLeastBoundarySpacing = 0.8;
 /// Relative change of a triangle's density that counts as none.
@@ -30,6 +33,12 @@ constexpr std::uint8_t kWithRing = 2;
 /// Triangles that one thread sums up in one go.
 constexpr std::int32_t kPiece = 8192;
 
+/// Marks in valences_: the ring is no SmallRing.
+constexpr std::uint8_t kNoSmallRing = 255;
+
+/// Blocks that become one of the next level.
+constexpr std::int32_t kFan = 4;
+
 /// Vertices of a block: enough that few lie between blocks, few enough that there are many blocks.
 /// Of the number of samples alone, for the order of the visits follows from it.
 std::int32_t BlockSize(std::int32_t count) {
@@ -40,7 +49,40 @@ double SpacingOf(const Ring& ring, const RingSums& sums) {
   return std::sqrt(2.0 / std::sqrt(3.0) * sums.area / ring.triangles);
 }
 
+std::vector<HostVertex> HostVertices(const Surface& surface, const Parallel& parallel) {
+  std::vector<HostVertex> hosts(surface.vertex_count());
+  parallel.For((surface.vertex_count() + kPiece - 1) / kPiece, [&](std::int64_t p) {
+    const auto first = static_cast<std::int32_t>(p) * kPiece;
+    for (std::int32_t v = first; v < std::min(first + kPiece, surface.vertex_count()); ++v) {
+      HostVertex& host = hosts[v];
+      Eigen::Vector3d::Map(host.position) = surface.positions()[v];
+      const std::int32_t h = surface.outgoing()[v];
+      const auto shape = surface.ShapeAt(h / 3, Eigen::Vector3d::Unit(h % 3)).cast<float>().eval();
+      host.shape[0] = shape[0];
+      host.shape[1] = 1.0F;
+      std::copy_n(shape.data() + 1, 5, host.shape + 2);
+      Eigen::Vector3f::Map(host.normal) = surface.normals()[v].cast<float>();
+    }
+  });
+  return hosts;
+}
+
 }  // namespace
+
+std::vector<std::vector<GeometryPhase::Block>> GeometryPhase::Levels(std::int32_t count) {
+  std::vector<std::vector<Block>> levels;
+  std::int64_t size = std::max(1, BlockSize(count));
+  do {
+    std::vector<Block>& blocks = levels.emplace_back();
+    for (std::int64_t first = 0; first < count; first += size) {
+      Block& block = blocks.emplace_back();
+      block.first = static_cast<std::int32_t>(first);
+      block.end = static_cast<std::int32_t>(std::min<std::int64_t>(first + size, count));
+    }
+    size *= kFan;
+  } while (levels.back().size() > 1);
+  return levels;
+}
 
 GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, const Plan* plan,
                              Energy energy, const SampleMesh* mesh, Samples* samples,
@@ -52,8 +94,8 @@ GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, con
       parallel_(*parallel),
       mesh_(*mesh),
       samples_(*samples),
-      block_size_(BlockSize(samples->count())),
-      blocks_((samples->count() + block_size_ - 1) / std::max(1, block_size_)) {
+      hosts_(HostVertices(*surface, *parallel)),
+      levels_(Levels(samples->count())) {
   scale_.reserve(plan->components.size());
   for (const ComponentPlan& component : plan->components) scale_.push_back(1.0 / component.target);
   active_.assign(samples->count(), 0);
@@ -62,14 +104,15 @@ GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, con
   places_.resize(samples->count());
   normals_.resize(samples->count());
   for (std::int32_t v = 0; v < samples->count(); ++v) NotePlace(v);
-  known_.resize(samples->count());
-  for (KnownRing& ring : known_) ring[0] = -1;
+  rings_.resize(samples->count());
+  valences_.assign(samples->count(), 0);
   if (density->uniform()) return;
-  mean_density_.assign(mesh->triangle_count(), 1.0);
+  triangles_.resize(samples->count());
+  mean_density_.assign(mesh->triangle_count(), 1.0F);
   is_outdated_.assign(samples->count(), 0);
   for (std::int32_t t = 0; t < mesh->triangle_count(); ++t) {
     if (interrupt != nullptr && interrupt->RequestedAt(t)) break;
-    mean_density_[t] = MeanDensity(t);
+    mean_density_[t] = static_cast<float>(MeanDensity(t));
   }
 }
 
@@ -104,7 +147,7 @@ void GeometryPhase::UpdateDensities(Interrupt* interrupt) {
     const std::int32_t* corner = &mesh_.origin[3 * t];
     if (!(is_outdated_[corner[0]] | is_outdated_[corner[1]] | is_outdated_[corner[2]])) continue;
     const double before = mean_density_[t];
-    mean_density_[t] = MeanDensity(t);
+    mean_density_[t] = static_cast<float>(MeanDensity(t));
     if (std::abs(mean_density_[t] - before) <= kDensityRest * before) continue;
     for (int k = 0; k < 3; ++k) next_[corner[k]] = kAlone;
   }
@@ -116,7 +159,7 @@ void GeometryPhase::Activate(std::int32_t v) {
   NotePlace(v);
   const auto wake = [&](std::int32_t u) {
     next_[u] = kAlone;
-    known_[u][0] = -1;
+    valences_[u] = 0;
   };
   wake(v);
   mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
@@ -190,20 +233,33 @@ void GeometryPhase::MoveTo(std::int32_t v, const SurfacePoint& point,
   NotePlace(v);
 }
 
+bool GeometryPhase::Learn(std::int32_t v) {
+  if (valences_[v] != 0) return valences_[v] != kNoSmallRing;
+  valences_[v] = kNoSmallRing;
+  if (samples_.kind[v] != SampleMesh::Kind::kInterior || mesh_.outgoing[v] < 0) return false;
+  SmallRing& ring = rings_[v];
+  int count = 0;
+  const std::int32_t start = mesh_.outgoing[v];
+  std::int32_t h = start;
+  do {
+    if (count == SmallRing::kMost) return false;
+    if (!triangles_.empty()) triangles_[v].vertex[count] = h / 3;
+    ring.vertex[count++] = mesh_.Target(h);
+    h = mesh_.Rotate(h);
+  } while (h != start && h >= 0);
+  if (h < 0) return false;
+  std::fill(ring.vertex + count, ring.vertex + SmallRing::kMost, ring.vertex[0]);
+  if (!triangles_.empty()) {
+    std::fill(triangles_[v].vertex + count, triangles_[v].vertex + SmallRing::kMost, start / 3);
+  }
+  valences_[v] = static_cast<std::uint8_t>(count);
+  return true;
+}
+
 bool GeometryPhase::Gather(std::int32_t v, Ring* ring) {
   ring->neighbours = 0;
   ring->scale = 0.5 * scale_[samples_.component[v]];
   ring->uniform = mean_density_.empty();
-  const bool is_plain = ring->uniform && samples_.kind[v] == SampleMesh::Kind::kInterior;
-  KnownRing* known = is_plain ? &known_[v] : nullptr;
-  if (known != nullptr && (*known)[0] >= 0) {
-    for (const std::int32_t u : *known) {
-      if (u < 0) break;
-      ring->vertex[ring->neighbours++] = u;
-    }
-    Finish(/*closed=*/true, places_.data(), normals_.data(), registers_, ring);
-    return true;
-  }
   const std::int32_t start = mesh_.outgoing[v];
   if (start < 0) return false;  // A point.
   std::int32_t h = start;
@@ -227,21 +283,16 @@ bool GeometryPhase::Gather(std::int32_t v, Ring* ring) {
     closed = turned == start;
     h = turned;
   }
-  Finish(closed, places_.data(), normals_.data(), registers_, ring);
-  if (closed && known != nullptr && ring->neighbours <= static_cast<int>(known->size())) {
-    known->fill(-1);
-    std::copy_n(ring->vertex.begin(), ring->neighbours, known->begin());
-  }
+  Finish(closed, places_.data(), normals_.data(), v, registers_, ring);
   return true;
 }
 
 bool GeometryPhase::Improves(const Ring& ring, const RingSums& before,
-                             const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
+                             const Eigen::Vector3d& step, const Eigen::Vector3d& normal,
                              RingAngles* angles) const {
   double energy = 0.0;
-  return Evaluate(ring, energy_, position, normal, before.least_facing, registers_, &energy,
-                  angles) &&
-         energy <= before.energy;
+  return Evaluate(ring, energy_, step, normal, before.least_facing, registers_, &energy, angles) &&
+         energy <= before.energy * (1.0 - kRelativeEnergyRounding) - kEnergyRounding;
 }
 
 double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring, RingAngles* angles) {
@@ -251,7 +302,7 @@ double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring, RingAngles* angle
   Eigen::Vector3d t2;
   TangentFrame(n, &t1, &t2);
 
-  const RingSums sums = Sum(*ring, energy_, s, n, t1, t2, registers_);
+  const RingSums sums = Sum(*ring, energy_, n, t1, t2, registers_);
   ring->spacing = SpacingOf(*ring, sums);
   const double h11 = sums.h11;
   const double h12 = sums.h12;
@@ -280,8 +331,7 @@ double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring, RingAngles* angle
     w = (-g2 * h11 + g1 * h12) / determinant;
   }
   const double size = std::sqrt(u * u + w * w);
-  // Far below what counts as rest, however it ended.
-  if (!(size > 0.1 * rest * ring->spacing)) return 0.0;
+  if (!(size > kLeastStep * rest * ring->spacing)) return 0.0;
   double factor = std::min(stretch, kLongestStep * ring->spacing / size);
   for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, factor *= 0.5) {
     const double du = factor * u;
@@ -289,7 +339,7 @@ double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring, RingAngles* angle
     const double rise = 0.5 * (ii11 * du * du + 2.0 * ii12 * du * dw + ii22 * dw * dw);
     const SurfacePoint point = surface_.Follow(samples_.face[v], s + du * t1 + dw * t2 + rise * n);
     const Eigen::Vector3d normal = surface_.NormalAt(point.face, point.weights);
-    if (!Improves(*ring, sums, point.position, normal, angles)) continue;
+    if (!Improves(*ring, sums, point.position - s, normal, angles)) continue;
     MoveTo(v, point, normal);
     return (point.position - s).norm();
   }
@@ -325,12 +375,12 @@ double GeometryPhase::MoveAlong(std::int32_t v, Ring* ring, RingAngles* angles) 
   const double chord_length = chord.norm();
   if (!(chord_length > 0.0)) return 0.0;
   const Eigen::Vector3d t = chord / chord_length;
-  const RingSums sums = Sum(*ring, energy_, s, n, t, t, registers_);
+  const RingSums sums = Sum(*ring, energy_, n, t, t, registers_);
   ring->spacing = SpacingOf(*ring, sums);
   const double curvature = sums.h11;
   if (!(curvature > 0.0)) return 0.0;
   const double wanted = -sums.gradient.dot(t) / curvature;
-  if (!(std::abs(wanted) > 0.1 * rest * ring->spacing)) return 0.0;
+  if (!(std::abs(wanted) > kLeastStep * rest * ring->spacing)) return 0.0;
   const double nearest = std::min((position_ahead - s).norm(), (position_behind - s).norm());
   const double longest = std::min(kLongestStep * ring->spacing, 0.4 * nearest);
   const double least = std::min(nearest, kLeastBoundarySpacing * ring->spacing);
@@ -349,7 +399,7 @@ double GeometryPhase::MoveAlong(std::int32_t v, Ring* ring, RingAngles* angles) 
       continue;
     }
     const Eigen::Vector3d normal = surface_.NormalAt(point.face, point.weights);
-    if (!Improves(*ring, sums, point.position, normal, angles)) continue;
+    if (!Improves(*ring, sums, point.position - s, normal, angles)) continue;
     MoveTo(v, point, normal);
     samples_.arc[v] = arc;
     return (point.position - s).norm();
@@ -357,17 +407,24 @@ double GeometryPhase::MoveAlong(std::int32_t v, Ring* ring, RingAngles* angles) 
   return 0.0;
 }
 
-void GeometryPhase::FindSpoiltEdges(std::int32_t v, const Ring& ring, const RingAngles& angles,
-                                    std::vector<std::int32_t>* spoilt_edges) const {
-  std::array<int, Ring::kMost> spokes;
-  const int count = FindSpoilt(ring, angles, &spokes);
-  if (count == 0) return;
+void GeometryPhase::AddSpokes(std::int32_t v, const int* spokes, int count,
+                              std::vector<std::int32_t>* half_edges) const {
   std::int32_t h = mesh_.outgoing[v];
   int at = 0;
   for (int k = 0; k < count; ++k) {
     for (; at < spokes[k]; ++at) h = mesh_.Rotate(h);
-    spoilt_edges->push_back(h);
+    half_edges->push_back(h);
   }
+}
+
+void GeometryPhase::NoteMove(std::int32_t v, double relative, const std::int32_t* neighbours,
+                             int count, Block* block) {
+  block->largest_move = std::max(block->largest_move, relative);
+  if (relative <= rest) return;
+  moved_[v] = 1;
+  if (!is_outdated_.empty()) is_outdated_[v] = 1;
+  next_[v] = kAlone;
+  for (int i = 0; i < count; ++i) next_[neighbours[i]] = kAlone;
 }
 
 void GeometryPhase::Visit(std::int32_t v, Ring* ring, Block* block) {
@@ -375,58 +432,137 @@ void GeometryPhase::Visit(std::int32_t v, Ring* ring, Block* block) {
   const double move = samples_.kind[v] == SampleMesh::Kind::kInterior
                           ? MoveInterior(v, ring, &angles)
                           : MoveAlong(v, ring, &angles);
-  if (!(move > 0.0)) MeasureAngles(*ring, samples_.position[v], registers_, &angles);
-  FindSpoiltEdges(v, *ring, angles, &block->spoilt_edges);
+  if (!(move > 0.0)) MeasureAngles(*ring, registers_, &angles);
+  std::array<int, Ring::kMost> spokes;
+  const int spoilt = FindSpoilt(*ring, angles, registers_, &spokes);
+  AddSpokes(v, spokes.data(), spoilt, &block->spoilt_edges);
   if (!(move > 0.0)) return;
-  const double relative = move / ring->spacing;
-  block->largest_move = std::max(block->largest_move, relative);
-  if (relative <= rest) return;
-  moved_[v] = 1;
-  if (!is_outdated_.empty()) is_outdated_[v] = 1;
-  next_[v] = kAlone;
-  for (int i = 0; i < ring->neighbours; ++i) next_[ring->vertex[i]] = kAlone;
+  NoteMove(v, move / ring->spacing, ring->vertex.data(), ring->neighbours, block);
+}
+
+void GeometryPhase::VisitAlone(std::int32_t v, Ring* ring, Block* block) {
+  if (Gather(v, ring)) Visit(v, ring, block);
+}
+
+void GeometryPhase::VisitTogether(Batch* batch, Ring* ring, Block* block) {
+  if (HasNeighbours(rings_.data(), registers_, *batch)) {
+    for (const std::int32_t v : batch->vertex) VisitAlone(v, ring, block);
+    return;
+  }
+  for (int k = 0; k < Batch::kSize; ++k) {
+    batch->scale[k] = static_cast<float>(0.5 * scale_[samples_.component[batch->vertex[k]]]);
+  }
+  const BatchSources sources = {
+      .places = places_.data(),
+      .normals = normals_.data(),
+      .rings = rings_.data(),
+      .valences = valences_.data(),
+      .faces = samples_.face.data(),
+      .weights = samples_.weights.data(),
+      .corners = surface_.faces().data(),
+      .vertices = hosts_.data(),
+      .densities = mean_density_.empty() ? nullptr : mean_density_.data(),
+      .triangles = triangles_.data(),
+      .energy = energy_,
+      .stretch = static_cast<float>(stretch),
+      .longest = static_cast<float>(kLongestStep),
+      .least = static_cast<float>(kLeastStep * rest)};
+  Step(sources, registers_, batch);
+  for (int k = 0; k < Batch::kSize; ++k) {
+    const std::int32_t v = batch->vertex[k];
+    if ((batch->settled >> k & 1) == 0) continue;
+    if (batch->spoilt[k] != 0) {
+      std::array<int, SmallRing::kMost> spokes;
+      int count = 0;
+      for (int i = 0; i < SmallRing::kMost; ++i) {
+        if ((batch->spoilt[k] >> i & 1) != 0) spokes[count++] = i;
+      }
+      AddSpokes(v, spokes.data(), count, &block->spoilt_edges);
+    }
+    if ((batch->moves >> k & 1) == 0) continue;
+    const double* position = batch->position[k];
+    const double* weights = batch->weights[k];
+    MoveTo(v,
+           {.face = samples_.face[v],
+            .weights = {weights[0], weights[1], weights[2]},
+            .position = {position[0], position[1], position[2]}},
+           {batch->normal[0][k], batch->normal[1][k], batch->normal[2][k]});
+    NoteMove(v, batch->move[k], rings_[v].vertex, valences_[v], block);
+  }
+  for (int k = 0; k < Batch::kSize; ++k) {
+    if ((batch->settled >> k & 1) == 0) VisitAlone(batch->vertex[k], ring, block);
+  }
+}
+
+void GeometryPhase::VisitBlock(Block* block) {
+  block->waiting.clear();
+  block->plain.clear();
+  block->spoilt_edges.clear();
+  block->largest_move = 0.0;
+  const auto is_inside = [&](const std::int32_t* vertices, int count) {
+    return std::all_of(vertices, vertices + count,
+                       [&](std::int32_t u) { return u >= block->first && u < block->end; });
+  };
+  Ring ring;
+  for (const std::int32_t v : block->candidates) {
+    if (Learn(v)) {
+      const bool inside = is_inside(rings_[v].vertex, SmallRing::kMost);
+      (inside ? block->plain : block->waiting).push_back(v);
+    } else if (Gather(v, &ring)) {
+      if (is_inside(ring.vertex.data(), ring.neighbours)) {
+        Visit(v, &ring, block);
+      } else {
+        block->waiting.push_back(v);
+      }
+    }
+  }
+  // One from each eighth: these are hardly ever neighbours.
+  const auto stride = static_cast<std::int32_t>(block->plain.size()) / Batch::kSize;
+  Batch batch;
+  for (std::int32_t i = 0; i < stride; ++i) {
+    for (int k = 0; k < Batch::kSize; ++k) batch.vertex[k] = block->plain[i + k * stride];
+    VisitTogether(&batch, &ring, block);
+  }
+  for (std::size_t i = Batch::kSize * stride; i < block->plain.size(); ++i) {
+    VisitAlone(block->plain[i], &ring, block);
+  }
 }
 
 double GeometryPhase::Pass(Interrupt* interrupt) {
   active_.swap(next_);
   std::fill(next_.begin(), next_.end(), std::uint8_t{0});
-  const auto wants_visit = [&](std::int32_t v) {
-    return active_[v] && samples_.kind[v] != SampleMesh::Kind::kFixed;
-  };
-  parallel_.For(static_cast<std::int64_t>(blocks_.size()), [&, stop = *interrupt](std::int64_t b) {
-    Block& block = blocks_[static_cast<std::size_t>(b)];
-    block.spoilt_edges.clear();
-    block.waiting.clear();
-    block.largest_move = 0.0;
-    if (Interrupt(stop).Requested()) return;
-    const auto first = static_cast<std::int32_t>(b) * block_size_;
-    const std::int32_t end = std::min(first + block_size_, samples_.count());
-    Ring ring;
-    for (std::int32_t v = first; v < end; ++v) {
-      if (!wants_visit(v) || !Gather(v, &ring)) continue;
-      const bool is_inside = blocks_.size() == 1 ||
-                             std::all_of(ring.vertex.begin(), ring.vertex.begin() + ring.neighbours,
-                                         [&](std::int32_t u) { return u >= first && u < end; });
-      if (is_inside) {
-        Visit(v, &ring, &block);
+  spoilt_edges_.clear();
+  double largest_move = 0.0;
+  for (std::size_t level = 0; level < levels_.size(); ++level) {
+    std::vector<Block>& blocks = levels_[level];
+    parallel_.For(static_cast<std::int64_t>(blocks.size()), [&, stop = *interrupt](std::int64_t b) {
+      Block& block = blocks[static_cast<std::size_t>(b)];
+      block.candidates.clear();
+      if (Interrupt(stop).Requested()) {
+        // Nothing is visited.
+      } else if (level == 0) {
+        for (std::int32_t v = block.first; v < block.end; ++v) {
+          if (active_[v] && samples_.kind[v] != SampleMesh::Kind::kFixed) {
+            block.candidates.push_back(v);
+          }
+        }
       } else {
-        block.waiting.push_back(v);
+        const std::vector<Block>& parts = levels_[level - 1];
+        const std::size_t first = kFan * static_cast<std::size_t>(b);
+        for (std::size_t i = first; i < std::min(first + kFan, parts.size()); ++i) {
+          block.candidates.insert(block.candidates.end(), parts[i].waiting.begin(),
+                                  parts[i].waiting.end());
+        }
       }
-    }
-  });
-  between_.spoilt_edges.clear();
-  between_.largest_move = 0.0;
-  Ring ring;
-  for (const Block& block : blocks_) {
-    between_.spoilt_edges.insert(between_.spoilt_edges.end(), block.spoilt_edges.begin(),
-                                 block.spoilt_edges.end());
-    between_.largest_move = std::max(between_.largest_move, block.largest_move);
-    if (interrupt->Requested()) continue;
-    for (const std::int32_t v : block.waiting) {
-      if (Gather(v, &ring)) Visit(v, &ring, &between_);
+      VisitBlock(&block);
+    });
+    for (const Block& block : blocks) {
+      spoilt_edges_.insert(spoilt_edges_.end(), block.spoilt_edges.begin(),
+                           block.spoilt_edges.end());
+      largest_move = std::max(largest_move, block.largest_move);
     }
   }
-  return between_.largest_move;
+  return largest_move;
 }
 
 }  // namespace ccst

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -9,6 +8,7 @@
 #include "core/parallel/parallel.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/ring.h"
+#include "core/sampling/ring_batch.h"
 #include "core/sampling/sample_mesh.h"
 #include "core/sampling/samples.h"
 #include "core/sampling/sampling.h"
@@ -39,8 +39,9 @@ class GeometryPhase {
   /// a small part of the spacing since its last visit, or when Activate() named it.
   /// Vertices are visited block by block of consecutive indices, which are near each other. Blocks
   /// run side by side: a vertex whose neighbours are all of its block sees and changes nothing of
-  /// the others. The rest, between the blocks, comes after them, one by one. So the order, and with
-  /// it every bit, depends on the number of samples alone.
+  /// the others. The rest, between the blocks, comes after them, in blocks of several, until one
+  /// holds all. In a block, eight vertices at a time are visited that are not neighbours. So the
+  /// order, and with it every bit, depends on the samples alone.
   /// Ends early, every vertex either moved or not, when `interrupt` is requested.
   /// @return the largest move in units of the local spacing. Cost O(active vertices).
   double Pass(Interrupt* interrupt);
@@ -64,7 +65,7 @@ class GeometryPhase {
 
   /// Half-edges that were not locally Delaunay when the last pass left one of their ends; may
   /// repeat. An edge spoilt by a later move is found when its own end is visited next.
-  const std::vector<std::int32_t>& spoilt_edges() const { return between_.spoilt_edges; }
+  const std::vector<std::int32_t>& spoilt_edges() const { return spoilt_edges_; }
 
   /// Vertices that moved since the last call of ClearMoved().
   const std::vector<std::uint8_t>& moved() const { return moved_; }
@@ -85,26 +86,40 @@ class GeometryPhase {
   double stretch = 1.5;
 
  private:
-  // What a pass over one block leaves.
+  // Consecutive vertices and what a pass over them takes and leaves.
   struct Block {
+    std::int32_t first = 0;
+    std::int32_t end = 0;
+    std::vector<std::int32_t> candidates;  // To be visited, if their neighbours are of the block.
+    std::vector<std::int32_t> waiting;     // The others.
+    std::vector<std::int32_t> plain;       // That can be visited eight at a time.
     std::vector<std::int32_t> spoilt_edges;
-    std::vector<std::int32_t> waiting;  // Active, with a neighbour in another block.
-    double largest_move = 0.0;          // [local spacing]
+    double largest_move = 0.0;  // [local spacing]
   };
-  // Moves vertex `v`, whose ring is gathered, and notes in `block` what that changed.
+  static std::vector<std::vector<Block>> Levels(std::int32_t count);
+  void VisitBlock(Block* block);
+  // Eight that have not been found to be neighbours.
+  void VisitTogether(Batch* batch, Ring* ring, Block* block);
+  void VisitAlone(std::int32_t v, Ring* ring, Block* block);
   void Visit(std::int32_t v, Ring* ring, Block* block);
+  // What follows from a move by `relative` local spacings of `v` among `neighbours`.
+  void NoteMove(std::int32_t v, double relative, const std::int32_t* neighbours, int count,
+                Block* block);
   // Takes over where sample `v` is now.
   void NotePlace(std::int32_t v);
   void MoveTo(std::int32_t v, const SurfacePoint& point, const Eigen::Vector3d& normal);
+  // Looks up the neighbours of `v`. @return false where they are no SmallRing.
+  bool Learn(std::int32_t v);
   bool Gather(std::int32_t v, Ring* ring);
   double MoveInterior(std::int32_t v, Ring* ring, RingAngles* angles);
   double MoveAlong(std::int32_t v, Ring* ring, RingAngles* angles);
-  /// True when moving the vertex there does not raise its ring's energy and turns no triangle over.
-  bool Improves(const Ring& ring, const RingSums& before, const Eigen::Vector3d& position,
+  /// True when moving the vertex by `step` lowers its ring's energy and turns no triangle over.
+  bool Improves(const Ring& ring, const RingSums& before, const Eigen::Vector3d& step,
                 const Eigen::Vector3d& normal, RingAngles* angles) const;
 
-  void FindSpoiltEdges(std::int32_t v, const Ring& ring, const RingAngles& angles,
-                       std::vector<std::int32_t>* spoilt_edges) const;
+  // Appends the half-edges from `v` to some of its neighbours, named in their order.
+  void AddSpokes(std::int32_t v, const int* spokes, int count,
+                 std::vector<std::int32_t>* half_edges) const;
   double MeanDensity(std::int32_t t) const;
 
   const Surface& surface_;
@@ -118,17 +133,18 @@ class GeometryPhase {
   std::vector<RingPlace> places_;    // Of the samples.
   std::vector<RingNormal> normals_;  // Of the samples.
   std::vector<double> scale_;        // Per component: 1 / C*.
-  std::int32_t block_size_ = 0;
-  std::vector<Block> blocks_;
-  Block between_;  // Of all blocks together, and of what lies between them.
+  std::vector<HostVertex> hosts_;
+  // Of samples whose ring is known to be a SmallRing: it and how many they are. Valence 0 where it
+  // is not known, kNoSmallRing where it is none.
+  std::vector<SmallRing> rings_;
+  std::vector<SmallRing> triangles_;  // From each neighbour to the next; with a density only.
+  std::vector<std::uint8_t> valences_;
+  std::vector<std::vector<Block>> levels_;  // Blocks of more and more samples; the last is one.
+  std::vector<std::int32_t> spoilt_edges_;
   std::vector<std::uint8_t> active_;
   std::vector<std::uint8_t> next_;
   std::vector<std::uint8_t> moved_;
-  // Neighbours of interior vertices, counter-clockwise from that of the outgoing half-edge, -1
-  // after the last; -1 first where unknown or too many.
-  using KnownRing = std::array<std::int32_t, 8>;
-  std::vector<KnownRing> known_;
-  std::vector<double> mean_density_;       // Per triangle; empty where the density is uniform.
+  std::vector<float> mean_density_;        // Per triangle; empty where the density is uniform.
   std::vector<std::uint8_t> is_outdated_;  // Per vertex: mean_density_ of its triangles is.
 };
 

@@ -2,254 +2,182 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+
+#include "core/sampling/lanes.h"
+#include "core/sampling/triangle_lanes.h"
 
 namespace ccst {
 
+static_assert(Ring::kLanes == kLanes);
+
 namespace {
 
-/// Least cosine between a triangle and the surface after a move, unless it was worse before.
-constexpr double kLeastFacing = 0.2;
-/// Bounds a triangle's capacity away from zero in the majoriser's gradient.
-constexpr double kLeastCapacity = 0.05;
+/// The mask of k triangles begins k before its middle.
+constexpr std::int32_t kLive[2 * kLanes] = {-1, -1, -1, -1, -1, -1, -1, -1};
 
-// Four doubles and the comparisons of four, in whatever registers the function is compiled for.
-using Lanes = double __attribute__((vector_size(32)));
-using Choice = std::int64_t __attribute__((vector_size(32)));
-
-/// By the number of triangles in a block.
-constexpr double kLive[5][4] = {
-    {0, 0, 0, 0}, {1, 0, 0, 0}, {1, 1, 0, 0}, {1, 1, 1, 0}, {1, 1, 1, 1}};
-
-#define CCST_INLINE [[gnu::always_inline]] inline
-
-struct Lanes3 {
-  Lanes x, y, z;
-};
-
-CCST_INLINE Lanes Load(const double* from) {
-  Lanes lanes;
-  std::memcpy(&lanes, from, sizeof lanes);
-  return lanes;
+/// The last seven and then the first of `after`.
+CCST_INLINE Lanes Shifted(const Lanes& a, const Lanes& after) {
+  return __builtin_shufflevector(a, after, 1, 2, 3, 4, 5, 6, 7, 8);
 }
 
-CCST_INLINE Lanes3 Load(const double (&from)[3][4]) {
-  return {Load(from[0]), Load(from[1]), Load(from[2])};
+/// The last seven of eight and then `row`.
+CCST_INLINE Lanes3 Shifted(const Lanes3& a, const Row& row) {
+  return {__builtin_shufflevector(a.x, Pair(row, row), 1, 2, 3, 4, 5, 6, 7, 8),
+          __builtin_shufflevector(a.y, Pair(row, row), 1, 2, 3, 4, 5, 6, 7, 9),
+          __builtin_shufflevector(a.z, Pair(row, row), 1, 2, 3, 4, 5, 6, 7, 10)};
 }
 
-CCST_INLINE void Store(const Lanes& lanes, double (&to)[4]) {
-  std::memcpy(to, &lanes, sizeof lanes);
+CCST_INLINE float Total(const Lanes& a) {
+  return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
 }
 
-CCST_INLINE void Store(const Lanes3& lanes, double (&to)[3][4]) {
-  Store(lanes.x, to[0]);
-  Store(lanes.y, to[1]);
-  Store(lanes.z, to[2]);
-}
-
-/// Coordinates and one unused, of one sample.
-CCST_INLINE Lanes Row(const RingPlace& place) {
-  Lanes row;
-  std::memcpy(&row, &place, sizeof row);
-  return row;
-}
-
-CCST_INLINE Lanes Row(const RingNormal& normal) {
-  float __attribute__((vector_size(16))) row;
-  std::memcpy(&row, &normal, sizeof row);
-  return __builtin_convertvector(row, Lanes);
-}
-
-/// Four rows as an array per coordinate.
-CCST_INLINE Lanes3 Transposed(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d) {
-  const Lanes xz_ab = __builtin_shufflevector(a, b, 0, 4, 2, 6);
-  const Lanes xz_cd = __builtin_shufflevector(c, d, 0, 4, 2, 6);
-  const Lanes y_ab = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-  const Lanes y_cd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-  return {__builtin_shufflevector(xz_ab, xz_cd, 0, 1, 4, 5),
-          __builtin_shufflevector(y_ab, y_cd, 0, 1, 4, 5),
-          __builtin_shufflevector(xz_ab, xz_cd, 2, 3, 6, 7)};
-}
-
-/// The last three of four and then `row`.
-CCST_INLINE Lanes3 Shifted(const Lanes3& a, const Lanes& row) {
-  return {__builtin_shufflevector(a.x, row, 1, 2, 3, 4),
-          __builtin_shufflevector(a.y, row, 1, 2, 3, 5),
-          __builtin_shufflevector(a.z, row, 1, 2, 3, 6)};
-}
-
-CCST_INLINE Lanes3 Plus(const Lanes3& a, const Lanes3& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-
-CCST_INLINE Lanes3 Minus(const Lanes3& a, const Eigen::Vector3d& b) {
-  return {a.x - b[0], a.y - b[1], a.z - b[2]};
-}
-
-CCST_INLINE Lanes3 Minus(const Lanes3& a, const Lanes3& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-
-CCST_INLINE Lanes Dot(const Lanes3& a, const Lanes3& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-CCST_INLINE Lanes Dot(const Lanes3& a, const Eigen::Vector3d& b) {
-  return a.x * b[0] + a.y * b[1] + a.z * b[2];
-}
-
-CCST_INLINE Lanes3 Cross(const Lanes3& a, const Lanes3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-CCST_INLINE Lanes Sqrt(const Lanes& a) {
-  Lanes root;
-  for (int k = 0; k < 4; ++k) root[k] = std::sqrt(a[k]);
-  return root;
-}
-
-CCST_INLINE double Total(const Lanes& a) { return (a[0] + a[1]) + (a[2] + a[3]); }
-
-CCST_INLINE bool Any(const Choice& a) { return ((a[0] | a[1]) | (a[2] | a[3])) != 0; }
-
-/// Four triangles (s, p, q) of a ring.
-struct Triangles {
-  Lanes3 p, q;  ///< Less s.
-  Lanes3 cross;
-  Lanes length;
-};
-
-CCST_INLINE Triangles TrianglesOf(const Ring::Block& block, const Eigen::Vector3d& s) {
-  Triangles t;
-  t.p = Minus(Load(block.p), s);
-  t.q = Minus(Load(block.q), s);
-  t.cross = Cross(t.p, t.q);
-  t.length = Sqrt(Dot(t.cross, t.cross));
-  return t;
+/// The totals of eight, in their order, summed up in the order that Total() has.
+CCST_INLINE Lanes Totals(const Lanes (&a)[8]) {
+  const auto halves = [](const Lanes& x, const Lanes& y) {
+    return __builtin_shufflevector(x, y, 0, 1, 2, 3, 8, 9, 10, 11) +
+           __builtin_shufflevector(x, y, 4, 5, 6, 7, 12, 13, 14, 15);
+  };
+  const auto quarters = [](const Lanes& x, const Lanes& y) {
+    return __builtin_shufflevector(x, y, 0, 1, 8, 9, 4, 5, 12, 13) +
+           __builtin_shufflevector(x, y, 2, 3, 10, 11, 6, 7, 14, 15);
+  };
+  const auto eighths = [](const Lanes& x, const Lanes& y) {
+    return __builtin_shufflevector(x, y, 0, 2, 8, 10, 4, 6, 12, 14) +
+           __builtin_shufflevector(x, y, 1, 3, 9, 11, 5, 7, 13, 15);
+  };
+  return eighths(quarters(halves(a[0], a[4]), halves(a[1], a[5])),
+                 quarters(halves(a[2], a[6]), halves(a[3], a[7])));
 }
 
 /// Of the triangles that face the surface less than they should the least square of the cosine
 /// with its sign, -1 for one without extent; 2 when all face it.
-CCST_INLINE double LeastFacing(const Ring::Block& block, const Triangles& t,
-                               const Eigen::Vector3d& n) {
-  Lanes3 up = Load(block.up);
-  up = {up.x + n[0], up.y + n[1], up.z + n[2]};
-  const Lanes dot = Dot(t.cross, up);
-  const Lanes scale = Dot(t.cross, t.cross) * Dot(up, up);
-  const Choice enough = (dot > 0.0) & (dot * dot > kLeastFacing * kLeastFacing * scale);
-  const Choice bad = ~enough & (Load(block.live) > 0.0);
-  double least = 2.0;
+CCST_INLINE float LeastFacing(const Ring::Block& block, const Triangles& t, const Vector3& n) {
+  const Facing facing = FacingOf(t, Load(block.up) + n);
+  const Choice bad = ~facing.enough & LoadAs<Choice>(block.live);
+  float least = 2.0F;
   if (!Any(bad)) return least;
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < kLanes; ++k) {
     if (bad[k] == 0) continue;
-    least = std::min(least, scale[k] > 0.0 ? dot[k] * std::abs(dot[k]) / scale[k] : -1.0);
+    const float dot = facing.dot[k];
+    least = std::min(least, facing.scale[k] > 0.0F ? dot * std::abs(dot) / facing.scale[k] : -1.0F);
   }
   return least;
 }
 
 CCST_INLINE void FinishIn(bool closed, const RingPlace* places, const RingNormal* normals,
-                          Ring* ring) {
-  ring->triangles = closed ? ring->neighbours : ring->neighbours - 1;
-  // Up to three that fill the last block, and the one after it.
-  std::fill_n(ring->vertex.begin() + ring->neighbours, 5,
-              ring->vertex[closed ? 0 : ring->neighbours - 1]);
-  const int end = 4 * ring->block_count();
-  if (!ring->uniform) std::fill_n(ring->density.begin() + ring->triangles, 4, 0.0);
-  const std::int32_t* u = ring->vertex.data();
-  for (int i = 0; i < end; i += 4, u += 4) {
-    Ring::Block& block = ring->blocks[i / 4];
-    const Lanes3 p =
-        Transposed(Row(places[u[0]]), Row(places[u[1]]), Row(places[u[2]]), Row(places[u[3]]));
-    const Lanes3 up =
-        Transposed(Row(normals[u[0]]), Row(normals[u[1]]), Row(normals[u[2]]), Row(normals[u[3]]));
+                          std::int32_t vertex, Ring* ring) {
+  const int neighbours = ring->neighbours;
+  ring->triangles = closed ? neighbours : neighbours - 1;
+  const int end = kLanes * ring->block_count();
+  // A closed ring goes round again; an open one stays where it ends.
+  std::int32_t* u = ring->vertex.data();
+  for (int i = neighbours; i <= end; ++i) u[i] = u[closed ? i - neighbours : neighbours - 1];
+  const LongRow base = LoadAs<LongRow>(&places[vertex]);
+  const auto place = [&](int i) {
+    return __builtin_convertvector(LoadAs<LongRow>(&places[u[i]]) - base, Row);
+  };
+  for (int i = 0; i < end; i += kLanes) {
+    Ring::Block& block = ring->blocks[i / kLanes];
+    Row rows[kLanes];
+    for (int k = 0; k < kLanes; ++k) rows[k] = place(i + k);
+    const Lanes3 p = Transposed(rows);
     Store(p, block.p);
-    Store(Shifted(p, Row(places[u[4]])), block.q);
-    Store(Plus(up, Shifted(up, Row(normals[u[4]]))), block.up);
-    const Lanes live = Load(kLive[std::min(ring->triangles - i, 4)]);
-    Store(live, block.live);
-    Store(ring->uniform ? live : Load(&ring->density[i]), block.density);
+    Store(Shifted(p, place(i + kLanes)), block.q);
+    for (int k = 0; k < kLanes; ++k) rows[k] = LoadAs<Row>(&normals[u[i + k]]);
+    const Lanes3 up = Transposed(rows);
+    Store(up + Shifted(up, LoadAs<Row>(&normals[u[i + kLanes]])), block.up);
+    const auto live =
+        LoadAs<Choice>(kLive + kLanes - std::min(ring->triangles - i, kLanes));
+    std::memcpy(block.live, &live, sizeof live);
+    Store(Masked(live, ring->uniform ? All(1.0F) : Load(&ring->density[i])), block.density);
   }
 }
 
 CCST_INLINE void StoreAngles(const Triangles& t, int first, RingAngles* angles) {
-  const Lanes3 e = Minus(t.q, t.p);
-  const Lanes at_p = -Dot(t.p, e);
-  const Lanes at_q = Dot(t.q, e);
-  std::memcpy(&angles->length[first], &t.length, sizeof t.length);
-  std::memcpy(&angles->at_p[first], &at_p, sizeof at_p);
-  std::memcpy(&angles->at_q[first], &at_q, sizeof at_q);
+  Store(t.length, &angles->length[first]);
+  Store(t.AtP(), &angles->at_p[first]);
+  Store(t.AtQ(), &angles->at_q[first]);
 }
 
-CCST_INLINE RingSums SumIn(const Ring& ring, Energy energy, const Eigen::Vector3d& s,
-                           const Eigen::Vector3d& n, const Eigen::Vector3d& t1,
-                           const Eigen::Vector3d& t2) {
-  RingSums sums;
-  Lanes total = {};
-  Lanes area = {};
-  Lanes3 gradient = {};
-  Lanes h11 = {};
-  Lanes h12 = {};
-  Lanes h22 = {};
+CCST_INLINE RingSums SumIn(const Ring& ring, Energy energy, const Vector3& n, const Vector3& t1,
+                           const Vector3& t2) {
+  LaneSums lanes;
+  const auto scale = static_cast<float>(ring.scale);
+  float least_facing = 1.0F;
   for (int b = 0; b < ring.block_count(); ++b) {
     const Ring::Block& block = ring.blocks[b];
-    const Triangles t = TrianglesOf(block, s);
-    const Lanes density = Load(block.density);
-    const Lanes c = ring.scale * density * t.length;
-    area += t.length;
-    sums.least_facing = std::min(sums.least_facing, LeastFacing(block, t, n));
-    const Lanes weight = density * density;
-    Lanes pull = weight;
-    if (energy == Energy::kTarget) {
-      total += Load(block.live) * ((c - 1.0) * (c - 1.0));
-      const Lanes bounded = c > kLeastCapacity ? c : Lanes{} + kLeastCapacity;
-      pull = weight * (1.0 - 1.0 / bounded);
-    } else {
-      total += c * c;
-    }
-    const Lanes3 e = Minus(t.q, t.p);
-    const Lanes3 turned = Cross(t.cross, e);
-    gradient.x += pull * turned.x;
-    gradient.y += pull * turned.y;
-    gradient.z += pull * turned.z;
-    const Lanes e1 = Dot(e, t1);
-    const Lanes e2 = Dot(e, t2);
-    const Lanes ee = Dot(e, e);
-    h11 += weight * (ee - e1 * e1);
-    h12 -= weight * (e1 * e2);
-    h22 += weight * (ee - e2 * e2);
+    const Triangles t = TrianglesOf(Load(block.p), Load(block.q));
+    lanes.Add(t, Load(block.density), scale, energy, LoadAs<Choice>(block.live), t1, t2);
+    least_facing = std::min(least_facing, LeastFacing(block, t, n));
   }
-  sums.energy = Total(total);
-  sums.area = Total(area);
-  sums.gradient = {Total(gradient.x), Total(gradient.y), Total(gradient.z)};
-  sums.h11 = Total(h11);
-  sums.h12 = Total(h12);
-  sums.h22 = Total(h22);
+  const Lanes found =
+      Totals({lanes.energy, lanes.area, lanes.gradient.x, lanes.gradient.y, lanes.gradient.z,
+              lanes.h11, lanes.h12, lanes.h22});
+  RingSums sums;
+  sums.energy = found[0];
+  sums.area = found[1];
+  sums.gradient = {found[2], found[3], found[4]};
+  sums.h11 = found[5];
+  sums.h12 = found[6];
+  sums.h22 = found[7];
+  sums.least_facing = least_facing;
   return sums;
 }
 
-CCST_INLINE bool EvaluateIn(const Ring& ring, Energy energy, const Eigen::Vector3d& s,
-                            const Eigen::Vector3d& n, double least_facing, double* sum,
+CCST_INLINE bool EvaluateIn(const Ring& ring, Energy energy, const Vector3& step,
+                            const Vector3& n, float least_facing, double* sum,
                             RingAngles* angles) {
   Lanes total = {};
+  const auto scale = static_cast<float>(ring.scale);
   for (int b = 0; b < ring.block_count(); ++b) {
     const Ring::Block& block = ring.blocks[b];
-    const Triangles t = TrianglesOf(block, s);
+    const Triangles t = TrianglesOf(Load(block.p) - step, Load(block.q) - step);
     if (LeastFacing(block, t, n) <= least_facing) return false;
-    StoreAngles(t, 4 * b, angles);
-    const Lanes c = ring.scale * Load(block.density) * t.length;
-    total += energy == Energy::kTarget ? Load(block.live) * ((c - 1.0) * (c - 1.0)) : c * c;
+    StoreAngles(t, kLanes * b, angles);
+    total += EnergyOf(scale * Load(block.density) * t.length, energy,
+                      LoadAs<Choice>(block.live));
   }
   *sum = Total(total);
   return true;
 }
 
-CCST_INLINE void MeasureAnglesIn(const Ring& ring, const Eigen::Vector3d& s, RingAngles* angles) {
+CCST_INLINE void MeasureAnglesIn(const Ring& ring, RingAngles* angles) {
   for (int b = 0; b < ring.block_count(); ++b) {
-    StoreAngles(TrianglesOf(ring.blocks[b], s), 4 * b, angles);
+    const Ring::Block& block = ring.blocks[b];
+    StoreAngles(TrianglesOf(Load(block.p), Load(block.q)), kLanes * b, angles);
   }
 }
 
-#undef CCST_INLINE
+CCST_INLINE int FindSpoiltIn(const Ring& ring, const RingAngles& angles,
+                             std::array<int, Ring::kMost>* spokes) {
+  // Between each triangle and the next: all around a closed ring, on the boundary one less.
+  const bool closed = ring.triangles == ring.neighbours;
+  const int count = closed ? ring.triangles : ring.triangles - 1;
+  int found = 0;
+  bool is_first_spoilt = false;
+  for (int i = 0; i < count; i += kLanes) {
+    const int after = i + kLanes < ring.triangles ? i + kLanes : 0;
+    const Lanes length = Load(&angles.length[i]);
+    const Lanes at_q = Shifted(Load(&angles.at_q[i]), Load(&angles.at_q[after]));
+    const Lanes next_length = Shifted(length, Load(&angles.length[after]));
+    const Choice spoilt = length * at_q + Load(&angles.at_p[i]) * next_length < 0.0F;
+    if (!Any(spoilt)) continue;
+    for (int k = i; k < std::min(i + kLanes, count); ++k) {
+      if (spoilt[k - i] == 0) continue;
+      if (k + 1 == ring.neighbours) {
+        is_first_spoilt = true;
+      } else {
+        (*spokes)[found++] = k + 1;
+      }
+    }
+  }
+  if (is_first_spoilt) {
+    std::copy_backward(spokes->begin(), spokes->begin() + found, spokes->begin() + found + 1);
+    (*spokes)[0] = 0;
+    ++found;
+  }
+  return found;
+}
 
 #ifdef __x86_64__
 #define CCST_AVX2 __attribute__((target("avx2")))
@@ -258,24 +186,28 @@ CCST_INLINE void MeasureAnglesIn(const Ring& ring, const Eigen::Vector3d& s, Rin
 #endif
 
 CCST_AVX2 void FinishWide(bool closed, const RingPlace* places, const RingNormal* normals,
-                          Ring* ring) {
-  FinishIn(closed, places, normals, ring);
+                          std::int32_t vertex, Ring* ring) {
+  FinishIn(closed, places, normals, vertex, ring);
 }
 
-CCST_AVX2 RingSums SumWide(const Ring& ring, Energy energy, const Eigen::Vector3d& s,
-                           const Eigen::Vector3d& n, const Eigen::Vector3d& t1,
-                           const Eigen::Vector3d& t2) {
-  return SumIn(ring, energy, s, n, t1, t2);
+CCST_AVX2 RingSums SumWide(const Ring& ring, Energy energy, const Vector3& n, const Vector3& t1,
+                           const Vector3& t2) {
+  return SumIn(ring, energy, n, t1, t2);
 }
 
-CCST_AVX2 bool EvaluateWide(const Ring& ring, Energy energy, const Eigen::Vector3d& s,
-                            const Eigen::Vector3d& n, double least_facing, double* sum,
+CCST_AVX2 bool EvaluateWide(const Ring& ring, Energy energy, const Vector3& step,
+                            const Vector3& n, float least_facing, double* sum,
                             RingAngles* angles) {
-  return EvaluateIn(ring, energy, s, n, least_facing, sum, angles);
+  return EvaluateIn(ring, energy, step, n, least_facing, sum, angles);
 }
 
-CCST_AVX2 void MeasureAnglesWide(const Ring& ring, const Eigen::Vector3d& s, RingAngles* angles) {
-  MeasureAnglesIn(ring, s, angles);
+CCST_AVX2 void MeasureAnglesWide(const Ring& ring, RingAngles* angles) {
+  MeasureAnglesIn(ring, angles);
+}
+
+CCST_AVX2 int FindSpoiltWide(const Ring& ring, const RingAngles& angles,
+                             std::array<int, Ring::kMost>* spokes) {
+  return FindSpoiltIn(ring, angles, spokes);
 }
 
 #undef CCST_AVX2
@@ -289,42 +221,39 @@ Registers WidestRegisters() {
   return Registers::kPortable;
 }
 
-void Finish(bool closed, const RingPlace* places, const RingNormal* normals, Registers registers,
-            Ring* ring) {
-  if (registers == Registers::kAvx2) return FinishWide(closed, places, normals, ring);
-  FinishIn(closed, places, normals, ring);
+void Finish(bool closed, const RingPlace* places, const RingNormal* normals, std::int32_t vertex,
+            Registers registers, Ring* ring) {
+  if (registers == Registers::kAvx2) return FinishWide(closed, places, normals, vertex, ring);
+  FinishIn(closed, places, normals, vertex, ring);
 }
 
-RingSums Sum(const Ring& ring, Energy energy, const Eigen::Vector3d& s, const Eigen::Vector3d& n,
-             const Eigen::Vector3d& t1, const Eigen::Vector3d& t2, Registers registers) {
-  if (registers == Registers::kAvx2) return SumWide(ring, energy, s, n, t1, t2);
-  return SumIn(ring, energy, s, n, t1, t2);
-}
-
-bool Evaluate(const Ring& ring, Energy energy, const Eigen::Vector3d& s, const Eigen::Vector3d& n,
-              double least_facing, Registers registers, double* sum, RingAngles* angles) {
+RingSums Sum(const Ring& ring, Energy energy, const Eigen::Vector3d& n, const Eigen::Vector3d& t1,
+             const Eigen::Vector3d& t2, Registers registers) {
   if (registers == Registers::kAvx2) {
-    return EvaluateWide(ring, energy, s, n, least_facing, sum, angles);
+    return SumWide(ring, energy, Vector3(n), Vector3(t1), Vector3(t2));
   }
-  return EvaluateIn(ring, energy, s, n, least_facing, sum, angles);
+  return SumIn(ring, energy, Vector3(n), Vector3(t1), Vector3(t2));
 }
 
-void MeasureAngles(const Ring& ring, const Eigen::Vector3d& s, Registers registers,
-                   RingAngles* angles) {
-  if (registers == Registers::kAvx2) return MeasureAnglesWide(ring, s, angles);
-  MeasureAnglesIn(ring, s, angles);
+bool Evaluate(const Ring& ring, Energy energy, const Eigen::Vector3d& step,
+              const Eigen::Vector3d& n, double least_facing, Registers registers, double* sum,
+              RingAngles* angles) {
+  const auto least = static_cast<float>(least_facing);
+  if (registers == Registers::kAvx2) {
+    return EvaluateWide(ring, energy, Vector3(step), Vector3(n), least, sum, angles);
+  }
+  return EvaluateIn(ring, energy, Vector3(step), Vector3(n), least, sum, angles);
 }
 
-int FindSpoilt(const Ring& ring, const RingAngles& angles, std::array<int, Ring::kMost>* spokes) {
-  // Around a closed ring every spoke has a triangle on each side; on the boundary the inner ones.
-  const bool closed = ring.triangles == ring.neighbours;
-  int count = 0;
-  for (int i = closed ? 0 : 1, before = closed ? ring.triangles - 1 : 0; i < ring.triangles;
-       before = i++) {
-    (*spokes)[count] = i;
-    count += angles.length[before] * angles.at_q[i] + angles.at_p[before] * angles.length[i] < 0.0;
-  }
-  return count;
+void MeasureAngles(const Ring& ring, Registers registers, RingAngles* angles) {
+  if (registers == Registers::kAvx2) return MeasureAnglesWide(ring, angles);
+  MeasureAnglesIn(ring, angles);
+}
+
+int FindSpoilt(const Ring& ring, const RingAngles& angles, Registers registers,
+               std::array<int, Ring::kMost>* spokes) {
+  if (registers == Registers::kAvx2) return FindSpoiltWide(ring, angles, spokes);
+  return FindSpoiltIn(ring, angles, spokes);
 }
 
 }  // namespace ccst

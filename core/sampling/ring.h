@@ -18,19 +18,22 @@ struct alignas(16) RingNormal {
   float x, y, z, unused;
 };
 
-/// The neighbours of one vertex, counter-clockwise, and the triangles around it, four to a block so
-/// that four are computed at a time.
+/// The neighbours of one vertex, counter-clockwise, and the triangles around it, eight to a block
+/// so that eight are computed at a time: all of them, in most rings. Lengths are relative to the
+/// vertex and in single precision, 1e-7 of the ring's width.
 struct Ring {
   static constexpr int kMost = 96;
+  static constexpr int kLanes = 8;
 
-  /// Four triangles (s, p, q): an array per coordinate of p, of q, and of the sum of the normals at
-  /// p and q. What fills up the last block adds nothing to any sum.
+  /// Eight triangles (s, p, q), lengths less s: an array per coordinate of p, of q, and of the sum
+  /// of the normals at p and q. What fills up the last block of a closed ring are its first
+  /// triangles again, so that the one after any is in the next lane; they add nothing to any sum.
   struct alignas(32) Block {
-    double p[3][4];
-    double q[3][4];
-    double up[3][4];
-    double density[4];
-    double live[4];  ///< 1 for a triangle, 0 for what fills up.
+    float p[3][kLanes];
+    float q[3][kLanes];
+    float up[3][kLanes];
+    float density[kLanes];  ///< 0 for what fills up.
+    std::int32_t live[kLanes];  ///< -1 for a triangle, 0 for what fills up.
   };
 
   int neighbours = 0;
@@ -38,13 +41,13 @@ struct Ring {
   double scale = 0.0;    ///< c = scale * density * |cross product|.
   double spacing = 0.0;  ///< Of a regular ring of this area, once somebody knows.
   bool uniform = true;   ///< Every density is 1.
-  std::array<std::int32_t, kMost + 8> vertex;
+  std::array<std::int32_t, kMost + kLanes + 1> vertex;
   std::array<std::int32_t, kMost> half_edge;  ///< Towards the neighbour; -1 for the last of a
                                               ///< boundary vertex, which has none.
-  std::array<double, kMost + 8> density;      ///< Of the triangle from this neighbour to the next.
-  std::array<Block, kMost / 4 + 1> blocks;
+  std::array<float, kMost + kLanes> density;  ///< Of the triangle from this neighbour to the next.
+  std::array<Block, kMost / kLanes> blocks;
 
-  int block_count() const { return (triangles + 3) / 4; }
+  int block_count() const { return (triangles + kLanes - 1) / kLanes; }
 };
 
 /// What Sum() finds around a vertex at s; triangles (s, p, q) with cross product x = (p - s) x
@@ -69,32 +72,40 @@ Registers WidestRegisters();
 
 /// Closes a ring whose neighbours are named, with their densities unless they are uniform, or, of
 /// a boundary vertex, leaves it open; and fills its blocks. `places` and `normals` are of all
-/// samples.
-void Finish(bool closed, const RingPlace* places, const RingNormal* normals, Registers registers,
-            Ring* ring);
+/// samples, `vertex` is the one in the middle.
+void Finish(bool closed, const RingPlace* places, const RingNormal* normals, std::int32_t vertex,
+            Registers registers, Ring* ring);
 
-RingSums Sum(const Ring& ring, Energy energy, const Eigen::Vector3d& s, const Eigen::Vector3d& n,
-             const Eigen::Vector3d& t1, const Eigen::Vector3d& t2, Registers registers);
+/// @param n       unit normal of the surface at the vertex.
+/// @param t1, t2  unit vectors; the same twice where the vertex moves along a line.
+RingSums Sum(const Ring& ring, Energy energy, const Eigen::Vector3d& n, const Eigen::Vector3d& t1,
+             const Eigen::Vector3d& t2, Registers registers);
 
 /// Per triangle (s, p, q) around a vertex at s twice its area and that times the cotangents of its
 /// angles at p and q.
 struct alignas(32) RingAngles {
-  std::array<double, Ring::kMost + 4> length;
-  std::array<double, Ring::kMost + 4> at_p;
-  std::array<double, Ring::kMost + 4> at_q;
+  std::array<float, Ring::kMost> length;
+  std::array<float, Ring::kMost> at_p;
+  std::array<float, Ring::kMost> at_q;
 };
 
-void MeasureAngles(const Ring& ring, const Eigen::Vector3d& s, Registers registers,
-                   RingAngles* angles);
+/// With the vertex where it is.
+void MeasureAngles(const Ring& ring, Registers registers, RingAngles* angles);
 
-/// The energy around a vertex at `s` with normal `n`, and its angles.
+/// The energy around the vertex moved by `step`, where the normal is `n`, and its angles.
 /// @return false, with neither, when a triangle neither faces the surface nor faces it better than
 /// `least_facing`.
-bool Evaluate(const Ring& ring, Energy energy, const Eigen::Vector3d& s, const Eigen::Vector3d& n,
-              double least_facing, Registers registers, double* sum, RingAngles* angles);
+bool Evaluate(const Ring& ring, Energy energy, const Eigen::Vector3d& step,
+              const Eigen::Vector3d& n, double least_facing, Registers registers, double* sum,
+              RingAngles* angles);
 
-/// Indices of the neighbours whose edge to the vertex is not locally Delaunay: the two angles
-/// opposite to it sum up to more than pi. @return their number.
-int FindSpoilt(const Ring& ring, const RingAngles& angles, std::array<int, Ring::kMost>* spokes);
+/// What rounding may add to an energy that Sum() or Evaluate() found.
+inline constexpr float kRelativeEnergyRounding = 1e-6F;
+inline constexpr float kEnergyRounding = 1e-8F;
+
+/// Indices, in order, of the neighbours whose edge to the vertex is not locally Delaunay: the two
+/// angles opposite to it sum up to more than pi. @return their number.
+int FindSpoilt(const Ring& ring, const RingAngles& angles, Registers registers,
+               std::array<int, Ring::kMost>* spokes);
 
 }  // namespace ccst
