@@ -28,7 +28,6 @@ constexpr std::int32_t kLeastForBlocks = 32768;
 
 /// Marks in next_: active, and active with its whole ring.
 constexpr std::uint8_t kAlone = 1;
-constexpr std::uint8_t kWithRing = 2;
 
 /// Triangles that one thread sums up in one go.
 constexpr std::int32_t kPiece = 8192;
@@ -169,10 +168,9 @@ void GeometryPhase::Activate(std::int32_t v) {
 }
 
 void GeometryPhase::ActivateFlipped(std::int32_t v) {
-  // Whoever became a neighbour since the first call is named too.
-  if (next_[v] == kWithRing) return;
-  Activate(v);
-  next_[v] = kWithRing;
+  if (!is_outdated_.empty()) is_outdated_[v] = 1;
+  next_[v] = kAlone;
+  valences_[v] = 0;
 }
 
 void GeometryPhase::DeactivateAll() { std::fill(next_.begin(), next_.end(), std::uint8_t{0}); }
