@@ -52,6 +52,18 @@ bool EdgeFlips::IsWanted(std::int32_t h) const {
   return mesh_.CanFlip(h);
 }
 
+void EdgeFlips::Restrict(std::int32_t first, std::int32_t end) {
+  first_ = first;
+  end_ = end;
+}
+
+bool EdgeFlips::IsWithin(std::int32_t h) const {
+  const std::int32_t g = mesh_.twin[h];
+  const auto is_within = [&](std::int32_t v) { return v >= first_ && v < end_; };
+  return is_within(mesh_.origin[h]) && is_within(mesh_.Target(h)) && is_within(mesh_.Apex(h)) &&
+         (g < 0 || is_within(mesh_.Apex(g)));
+}
+
 void EdgeFlips::Push(std::int32_t h) { stack_.push_back(h); }
 
 std::int64_t EdgeFlips::Drain() {
@@ -61,7 +73,12 @@ std::int64_t EdgeFlips::Drain() {
   while (!stack_.empty()) {
     const std::int32_t h = stack_.back();
     stack_.pop_back();
-    if (mesh_.origin[h] < 0 || flips >= cap || !IsWanted(h)) continue;
+    if (mesh_.origin[h] < 0 || flips >= cap) continue;
+    if (!IsWithin(h)) {
+      beyond.push_back(h);
+      continue;
+    }
+    if (!IsWanted(h)) continue;
     const std::int32_t g = mesh_.twin[h];
     mesh_.Flip(h);
     ++flips;

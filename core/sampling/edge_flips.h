@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -21,6 +22,11 @@ class EdgeFlips {
             const std::vector<Eigen::Vector3d>* normal)
       : mesh_(*mesh), position_(*position), normal_(*normal) {}
 
+  /// From now on flips only edges whose two triangles have no vertices but those in [first, end);
+  /// others that come up are appended to `beyond`. Those with disjoint ranges may work on one mesh
+  /// side by side.
+  void Restrict(std::int32_t first, std::int32_t end);
+
   /// Flips until nothing changes. @return the number of flips. Cost O(edges + flips).
   /// @param interrupt  may be null; once requested, the rest stays as it is.
   std::int64_t FlipAll(Interrupt* interrupt = nullptr);
@@ -33,8 +39,11 @@ class EdgeFlips {
 
   /// Vertices of flipped triangles since the last clear; may repeat.
   std::vector<std::int32_t> touched;
+  /// Half-edges left to others, see Restrict(); may repeat.
+  std::vector<std::int32_t> beyond;
 
  private:
+  bool IsWithin(std::int32_t h) const;
   bool IsWanted(std::int32_t h) const;
   std::int64_t Drain();
   void Push(std::int32_t h);
@@ -42,6 +51,8 @@ class EdgeFlips {
   SampleMesh& mesh_;
   const std::vector<Eigen::Vector3d>& position_;
   const std::vector<Eigen::Vector3d>& normal_;
+  std::int32_t first_ = 0;
+  std::int32_t end_ = std::numeric_limits<std::int32_t>::max();
   std::vector<std::int32_t> stack_;
 };
 

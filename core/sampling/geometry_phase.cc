@@ -26,9 +26,6 @@ constexpr double kDensityRest = 0.01;
 /// Fewer samples are one block: they are not worth several threads.
 constexpr std::int32_t kLeastForBlocks = 32768;
 
-/// Marks in next_: active, and active with its whole ring.
-constexpr std::uint8_t kAlone = 1;
-
 /// Triangles that one thread sums up in one go.
 constexpr std::int32_t kPiece = 8192;
 
@@ -36,7 +33,7 @@ constexpr std::int32_t kPiece = 8192;
 constexpr std::uint8_t kNoSmallRing = 255;
 
 /// Blocks that become one of the next level.
-constexpr std::int32_t kFan = 4;
+constexpr std::size_t kFan = 4;
 
 /// Vertices of a block: enough that few lie between blocks, few enough that there are many blocks.
 /// Of the number of samples alone, for the order of the visits follows from it.
@@ -68,15 +65,16 @@ std::vector<HostVertex> HostVertices(const Surface& surface, const Parallel& par
 
 }  // namespace
 
-std::vector<std::vector<GeometryPhase::Block>> GeometryPhase::Levels(std::int32_t count) {
+std::vector<std::vector<GeometryPhase::Block>> GeometryPhase::MakeLevels() {
   std::vector<std::vector<Block>> levels;
-  std::int64_t size = std::max(1, BlockSize(count));
+  const std::int64_t count = samples_.count();
+  std::int64_t size = std::max(1, BlockSize(samples_.count()));
   do {
     std::vector<Block>& blocks = levels.emplace_back();
     for (std::int64_t first = 0; first < count; first += size) {
-      Block& block = blocks.emplace_back();
-      block.first = static_cast<std::int32_t>(first);
-      block.end = static_cast<std::int32_t>(std::min<std::int64_t>(first + size, count));
+      const auto begin = static_cast<std::int32_t>(first);
+      const auto end = static_cast<std::int32_t>(std::min(first + size, count));
+      blocks.emplace_back(begin, end, EdgeFlips(&mesh_, &samples_.position, &samples_.normal));
     }
     size *= kFan;
   } while (levels.back().size() > 1);
@@ -84,7 +82,7 @@ std::vector<std::vector<GeometryPhase::Block>> GeometryPhase::Levels(std::int32_
 }
 
 GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, const Plan* plan,
-                             Energy energy, const SampleMesh* mesh, Samples* samples,
+                             Energy energy, SampleMesh* mesh, Samples* samples,
                              const Parallel* parallel, Interrupt* interrupt)
     : surface_(*surface),
       density_(*density),
@@ -94,11 +92,10 @@ GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, con
       mesh_(*mesh),
       samples_(*samples),
       hosts_(HostVertices(*surface, *parallel)),
-      levels_(Levels(samples->count())) {
+      levels_(MakeLevels()) {
   scale_.reserve(plan->components.size());
   for (const ComponentPlan& component : plan->components) scale_.push_back(1.0 / component.target);
-  active_.assign(samples->count(), 0);
-  next_.assign(samples->count(), kAlone);
+  active_.assign(samples->count(), 1);
   moved_.assign(samples->count(), 1);
   places_.resize(samples->count());
   normals_.resize(samples->count());
@@ -141,14 +138,27 @@ void GeometryPhase::UpdateAllDensities(Interrupt* interrupt) {
 
 void GeometryPhase::UpdateDensities(Interrupt* interrupt) {
   if (density_.uniform()) return;
-  for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
-    if (interrupt->RequestedAt(t)) return;
-    const std::int32_t* corner = &mesh_.origin[3 * t];
-    if (!(is_outdated_[corner[0]] | is_outdated_[corner[1]] | is_outdated_[corner[2]])) continue;
-    const double before = mean_density_[t];
-    mean_density_[t] = static_cast<float>(MeanDensity(t));
-    if (std::abs(mean_density_[t] - before) <= kDensityRest * before) continue;
-    for (int k = 0; k < 3; ++k) next_[corner[k]] = kAlone;
+  const std::int32_t count = mesh_.triangle_count();
+  std::vector<std::vector<std::int32_t>> changed((count + kPiece - 1) / kPiece);
+  parallel_.For(static_cast<std::int64_t>(changed.size()), [&, stop = *interrupt](std::int64_t p) {
+    Interrupt own(stop);
+    const auto first = static_cast<std::int32_t>(p) * kPiece;
+    for (std::int32_t t = first; t < std::min(first + kPiece, count); ++t) {
+      if (own.RequestedAt(t)) return;
+      const std::int32_t* corner = &mesh_.origin[3 * t];
+      if (!(is_outdated_[corner[0]] | is_outdated_[corner[1]] | is_outdated_[corner[2]])) continue;
+      const double before = mean_density_[t];
+      mean_density_[t] = static_cast<float>(MeanDensity(t));
+      if (std::abs(mean_density_[t] - before) > kDensityRest * before) {
+        changed[static_cast<std::size_t>(p)].push_back(t);
+      }
+    }
+  });
+  if (interrupt->Requested()) return;
+  for (const std::vector<std::int32_t>& piece : changed) {
+    for (const std::int32_t t : piece) {
+      for (int k = 0; k < 3; ++k) active_[mesh_.origin[3 * t + k]] = 1;
+    }
   }
   std::fill(is_outdated_.begin(), is_outdated_.end(), std::uint8_t{0});
 }
@@ -157,7 +167,7 @@ void GeometryPhase::Activate(std::int32_t v) {
   if (!is_outdated_.empty()) is_outdated_[v] = 1;
   NotePlace(v);
   const auto wake = [&](std::int32_t u) {
-    next_[u] = kAlone;
+    active_[u] = 1;
     valences_[u] = 0;
   };
   wake(v);
@@ -169,11 +179,11 @@ void GeometryPhase::Activate(std::int32_t v) {
 
 void GeometryPhase::ActivateFlipped(std::int32_t v) {
   if (!is_outdated_.empty()) is_outdated_[v] = 1;
-  next_[v] = kAlone;
+  active_[v] = 1;
   valences_[v] = 0;
 }
 
-void GeometryPhase::DeactivateAll() { std::fill(next_.begin(), next_.end(), std::uint8_t{0}); }
+void GeometryPhase::DeactivateAll() { std::fill(active_.begin(), active_.end(), std::uint8_t{0}); }
 
 void GeometryPhase::ClearMoved() { std::fill(moved_.begin(), moved_.end(), std::uint8_t{0}); }
 
@@ -254,7 +264,7 @@ bool GeometryPhase::Learn(std::int32_t v) {
   return true;
 }
 
-bool GeometryPhase::Gather(std::int32_t v, Ring* ring) {
+bool GeometryPhase::Gather(std::int32_t v, Ring* ring) const {
   ring->neighbours = 0;
   ring->scale = 0.5 * scale_[samples_.component[v]];
   ring->uniform = mean_density_.empty();
@@ -269,8 +279,8 @@ bool GeometryPhase::Gather(std::int32_t v, Ring* ring) {
     }
     ++ring->neighbours;
   };
-  bool closed = false;
-  while (!closed) {
+  ring->closed = false;
+  while (!ring->closed) {
     if (ring->neighbours + 1 >= Ring::kMost) return false;
     add(mesh_.Target(h), h);
     const std::int32_t turned = mesh_.Rotate(h);
@@ -278,10 +288,9 @@ bool GeometryPhase::Gather(std::int32_t v, Ring* ring) {
       add(mesh_.Apex(h), -1);
       break;
     }
-    closed = turned == start;
+    ring->closed = turned == start;
     h = turned;
   }
-  Finish(closed, places_.data(), normals_.data(), v, registers_, ring);
   return true;
 }
 
@@ -417,15 +426,16 @@ void GeometryPhase::AddSpokes(std::int32_t v, const int* spokes, int count,
 
 void GeometryPhase::NoteMove(std::int32_t v, double relative, const std::int32_t* neighbours,
                              int count, Block* block) {
-  block->largest_move = std::max(block->largest_move, relative);
+  block->change.largest_move = std::max(block->change.largest_move, relative);
   if (relative <= rest) return;
   moved_[v] = 1;
   if (!is_outdated_.empty()) is_outdated_[v] = 1;
-  next_[v] = kAlone;
-  for (int i = 0; i < count; ++i) next_[neighbours[i]] = kAlone;
+  active_[v] = 1;
+  for (int i = 0; i < count; ++i) active_[neighbours[i]] = 1;
 }
 
 void GeometryPhase::Visit(std::int32_t v, Ring* ring, Block* block) {
+  Finish(places_.data(), normals_.data(), v, registers_, ring);
   RingAngles angles;
   const double move = samples_.kind[v] == SampleMesh::Kind::kInterior
                           ? MoveInterior(v, ring, &angles)
@@ -495,8 +505,6 @@ void GeometryPhase::VisitTogether(Batch* batch, Ring* ring, Block* block) {
 void GeometryPhase::VisitBlock(Block* block) {
   block->waiting.clear();
   block->plain.clear();
-  block->spoilt_edges.clear();
-  block->largest_move = 0.0;
   const auto is_inside = [&](const std::int32_t* vertices, int count) {
     return std::all_of(vertices, vertices + count,
                        [&](std::int32_t u) { return u >= block->first && u < block->end; });
@@ -504,10 +512,15 @@ void GeometryPhase::VisitBlock(Block* block) {
   Ring ring;
   for (const std::int32_t v : block->candidates) {
     if (Learn(v)) {
-      const bool inside = is_inside(rings_[v].vertex, SmallRing::kMost);
-      (inside ? block->plain : block->waiting).push_back(v);
+      if (is_inside(rings_[v].vertex, SmallRing::kMost)) {
+        active_[v] = 0;
+        block->plain.push_back(v);
+      } else {
+        block->waiting.push_back(v);
+      }
     } else if (Gather(v, &ring)) {
       if (is_inside(ring.vertex.data(), ring.neighbours)) {
+        active_[v] = 0;
         Visit(v, &ring, block);
       } else {
         block->waiting.push_back(v);
@@ -515,9 +528,9 @@ void GeometryPhase::VisitBlock(Block* block) {
     }
   }
   // One from each eighth: these are hardly ever neighbours.
-  const auto stride = static_cast<std::int32_t>(block->plain.size()) / Batch::kSize;
+  const std::size_t stride = block->plain.size() / Batch::kSize;
   Batch batch;
-  for (std::int32_t i = 0; i < stride; ++i) {
+  for (std::size_t i = 0; i < stride; ++i) {
     for (int k = 0; k < Batch::kSize; ++k) batch.vertex[k] = block->plain[i + k * stride];
     VisitTogether(&batch, &ring, block);
   }
@@ -526,41 +539,64 @@ void GeometryPhase::VisitBlock(Block* block) {
   }
 }
 
-double GeometryPhase::Pass(Interrupt* interrupt) {
-  active_.swap(next_);
-  std::fill(next_.begin(), next_.end(), std::uint8_t{0});
-  spoilt_edges_.clear();
-  double largest_move = 0.0;
+void GeometryPhase::FlipBlock(Block* block) {
+  block->flips.touched.clear();
+  block->flips.beyond.clear();
+  block->change.flips += block->flips.FlipThese(block->spoilt_edges);
+  for (const std::int32_t v : block->flips.touched) {
+    moved_[v] = 1;
+    ActivateFlipped(v);
+  }
+  block->spoilt_edges.swap(block->flips.beyond);
+}
+
+void GeometryPhase::FindCandidates(std::size_t level, std::size_t b) {
+  Block& block = levels_[level][b];
+  block.candidates.clear();
+  const auto add = [&](std::int32_t v) {
+    if (active_[v] && samples_.kind[v] != SampleMesh::Kind::kFixed) block.candidates.push_back(v);
+  };
+  if (level == 0) {
+    for (std::int32_t v = block.first; v < block.end; ++v) add(v);
+    return;
+  }
+  const std::vector<Block>& parts = levels_[level - 1];
+  for (std::size_t i = kFan * b; i < std::min(kFan * (b + 1), parts.size()); ++i) {
+    for (const std::int32_t v : parts[i].waiting) add(v);
+  }
+}
+
+GeometryPhase::Change GeometryPhase::Sweep(int passes, bool flip, Interrupt* interrupt) {
+  Change change;
   for (std::size_t level = 0; level < levels_.size(); ++level) {
     std::vector<Block>& blocks = levels_[level];
     parallel_.For(static_cast<std::int64_t>(blocks.size()), [&, stop = *interrupt](std::int64_t b) {
       Block& block = blocks[static_cast<std::size_t>(b)];
-      block.candidates.clear();
-      if (Interrupt(stop).Requested()) {
-        // Nothing is visited.
-      } else if (level == 0) {
-        for (std::int32_t v = block.first; v < block.end; ++v) {
-          if (active_[v] && samples_.kind[v] != SampleMesh::Kind::kFixed) {
-            block.candidates.push_back(v);
-          }
-        }
-      } else {
+      block.change = {};
+      block.waiting.clear();
+      block.spoilt_edges.clear();
+      if (level > 0) {
         const std::vector<Block>& parts = levels_[level - 1];
         const std::size_t first = kFan * static_cast<std::size_t>(b);
         for (std::size_t i = first; i < std::min(first + kFan, parts.size()); ++i) {
-          block.candidates.insert(block.candidates.end(), parts[i].waiting.begin(),
-                                  parts[i].waiting.end());
+          block.spoilt_edges.insert(block.spoilt_edges.end(), parts[i].spoilt_edges.begin(),
+                                    parts[i].spoilt_edges.end());
         }
       }
-      VisitBlock(&block);
+      Interrupt own(stop);
+      for (int pass = 0; pass < passes && !own.Requested(); ++pass) {
+        FindCandidates(level, static_cast<std::size_t>(b));
+        VisitBlock(&block);
+        if (flip) FlipBlock(&block);
+      }
     });
     for (const Block& block : blocks) {
-      spoilt_edges_.insert(spoilt_edges_.end(), block.spoilt_edges.begin(),
-                           block.spoilt_edges.end());
-      largest_move = std::max(largest_move, block.largest_move);
+      change.largest_move = std::max(change.largest_move, block.change.largest_move);
+      change.flips += block.change.flips;
     }
   }
-  return largest_move;
+  spoilt_edges_ = levels_.back().front().spoilt_edges;
+  return change;
 }
 
 }  // namespace ccst

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/base/interrupt.h"
 #include "core/density/density.h"
 #include "core/parallel/parallel.h"
+#include "core/sampling/edge_flips.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/ring.h"
 #include "core/sampling/ring_batch.h"
@@ -32,7 +34,7 @@ class GeometryPhase {
   /// @param parallel   threads to work on; like the others not owned.
   /// @param interrupt  may be null; once requested, densities count as 1 until they are updated.
   GeometryPhase(const Surface* surface, const Density* density, const Plan* plan, Energy energy,
-                const SampleMesh* mesh, Samples* samples, const Parallel* parallel,
+                SampleMesh* mesh, Samples* samples, const Parallel* parallel,
                 Interrupt* interrupt = nullptr);
 
   /// Visits every active vertex once. A vertex is active when it or a neighbour moved by more than
@@ -44,7 +46,17 @@ class GeometryPhase {
   /// order, and with it every bit, depends on the samples alone.
   /// Ends early, every vertex either moved or not, when `interrupt` is requested.
   /// @return the largest move in units of the local spacing. Cost O(active vertices).
-  double Pass(Interrupt* interrupt);
+  double Pass(Interrupt* interrupt) { return Sweep(1, /*flip=*/false, interrupt).largest_move; }
+
+  struct Change {
+    double largest_move = 0.0;  ///< [local spacing]
+    std::int64_t flips = 0;
+  };
+  /// `passes` times a pass and the flips of what it spoilt: an alternation. Each block does all of
+  /// its own before the next, while its samples are in the caches.
+  Change Alternate(int passes, Interrupt* interrupt) {
+    return Sweep(passes, /*flip=*/true, interrupt);
+  }
 
   /// Integrates the density anew over the triangles around the vertices that moved since the last
   /// call or that Activate() named, and activates the corners of those it changed. Between calls a
@@ -58,8 +70,7 @@ class GeometryPhase {
 
   /// Marks `v`, whose triangles have changed, and its neighbours for the next pass.
   void Activate(std::int32_t v);
-  /// The same for one whose ring flips have changed; all such are to be named, each as often as one
-  /// likes.
+  /// The same for one of the corners of triangles that were flipped, all of which are to be named.
   void ActivateFlipped(std::int32_t v);
   void DeactivateAll();
 
@@ -67,7 +78,8 @@ class GeometryPhase {
   /// repeat. An edge spoilt by a later move is found when its own end is visited next.
   const std::vector<std::int32_t>& spoilt_edges() const { return spoilt_edges_; }
 
-  /// Vertices that moved since the last call of ClearMoved().
+  /// Vertices that moved, or whose triangles Alternate() flipped, since the last call of
+  /// ClearMoved().
   const std::vector<std::uint8_t>& moved() const { return moved_; }
   void ClearMoved();
 
@@ -86,21 +98,32 @@ class GeometryPhase {
   double stretch = 1.5;
 
  private:
-  // Consecutive vertices and what a pass over them takes and leaves.
+  // Consecutive vertices and what a sweep over them takes and leaves.
   struct Block {
-    std::int32_t first = 0;
-    std::int32_t end = 0;
-    std::vector<std::int32_t> candidates;  // To be visited, if their neighbours are of the block.
-    std::vector<std::int32_t> waiting;     // The others.
-    std::vector<std::int32_t> plain;       // That can be visited eight at a time.
-    std::vector<std::int32_t> spoilt_edges;
-    double largest_move = 0.0;  // [local spacing]
+    Block(std::int32_t first_vertex, std::int32_t end_vertex, EdgeFlips own_flips)
+        : first(first_vertex), end(end_vertex), flips(std::move(own_flips)) {
+      flips.Restrict(first, end);
+    }
+
+    std::int32_t first;
+    std::int32_t end;
+    EdgeFlips flips;
+    std::vector<std::int32_t> candidates;    // To be visited, if their neighbours are of the block.
+    std::vector<std::int32_t> waiting;       // The others.
+    std::vector<std::int32_t> plain;         // That can be visited eight at a time.
+    std::vector<std::int32_t> spoilt_edges;  // That have not been flipped yet.
+    Change change;
   };
-  static std::vector<std::vector<Block>> Levels(std::int32_t count);
+  std::vector<std::vector<Block>> MakeLevels();
+  Change Sweep(int passes, bool flip, Interrupt* interrupt);
+  // What is active of the blocks of the level below that make up block `b`, or of all its vertices.
+  void FindCandidates(std::size_t level, std::size_t b);
   void VisitBlock(Block* block);
+  void FlipBlock(Block* block);
   // Eight that have not been found to be neighbours.
   void VisitTogether(Batch* batch, Ring* ring, Block* block);
   void VisitAlone(std::int32_t v, Ring* ring, Block* block);
+  // With its ring gathered.
   void Visit(std::int32_t v, Ring* ring, Block* block);
   // What follows from a move by `relative` local spacings of `v` among `neighbours`.
   void NoteMove(std::int32_t v, double relative, const std::int32_t* neighbours, int count,
@@ -110,7 +133,8 @@ class GeometryPhase {
   void MoveTo(std::int32_t v, const SurfacePoint& point, const Eigen::Vector3d& normal);
   // Looks up the neighbours of `v`. @return false where they are no SmallRing.
   bool Learn(std::int32_t v);
-  bool Gather(std::int32_t v, Ring* ring);
+  // Names the ring of `v` and its densities. @return false for a point and for more than fit.
+  bool Gather(std::int32_t v, Ring* ring) const;
   double MoveInterior(std::int32_t v, Ring* ring, RingAngles* angles);
   double MoveAlong(std::int32_t v, Ring* ring, RingAngles* angles);
   /// True when moving the vertex by `step` lowers its ring's energy and turns no triangle over.
@@ -127,7 +151,7 @@ class GeometryPhase {
   const Plan& plan_;
   const Energy energy_;
   const Parallel& parallel_;
-  const SampleMesh& mesh_;
+  SampleMesh& mesh_;
   Samples& samples_;
   const Registers registers_ = WidestRegisters();
   std::vector<RingPlace> places_;    // Of the samples.
@@ -142,7 +166,6 @@ class GeometryPhase {
   std::vector<std::vector<Block>> levels_;  // Blocks of more and more samples; the last is one.
   std::vector<std::int32_t> spoilt_edges_;
   std::vector<std::uint8_t> active_;
-  std::vector<std::uint8_t> next_;
   std::vector<std::uint8_t> moved_;
   std::vector<float> mean_density_;        // Per triangle; empty where the density is uniform.
   std::vector<std::uint8_t> is_outdated_;  // Per vertex: mean_density_ of its triangles is.

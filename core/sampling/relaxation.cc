@@ -143,18 +143,12 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
     if (interrupt->Requested()) return finish(interrupted());
     geometry.ClearMoved();
     flips.touched.clear();
-    state.flips = 0;
-    state.max_displacement = 0.0;
-    for (int pass = 0; pass < kPassesPerAlternation; ++pass) {
-      const double move = geometry.Pass(interrupt) * plan.spacing;
-      if (interrupt->Requested()) return finish(interrupted());
-      state.max_displacement = std::max(state.max_displacement, move);
-      const std::size_t before = flips.touched.size();
-      state.flips += flips.FlipThese(geometry.spoilt_edges());
-      activate_touched(before);
-      geometry.UpdateDensities(interrupt);
-      ++result.passes;
-    }
+    const GeometryPhase::Change change = geometry.Alternate(kPassesPerAlternation, interrupt);
+    if (interrupt->Requested()) return finish(interrupted());
+    state.flips = change.flips;
+    state.max_displacement = change.largest_move * plan.spacing;
+    geometry.UpdateDensities(interrupt);
+    result.passes += kPassesPerAlternation;
     ++result.alternations;
     state.alternation = result.alternations;
 

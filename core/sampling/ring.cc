@@ -64,14 +64,14 @@ CCST_INLINE float LeastFacing(const Ring::Block& block, const Triangles& t, cons
   return least;
 }
 
-CCST_INLINE void FinishIn(bool closed, const RingPlace* places, const RingNormal* normals,
-                          std::int32_t vertex, Ring* ring) {
+CCST_INLINE void FinishIn(const RingPlace* places, const RingNormal* normals, std::int32_t vertex,
+                          Ring* ring) {
   const int neighbours = ring->neighbours;
-  ring->triangles = closed ? neighbours : neighbours - 1;
+  ring->triangles = ring->closed ? neighbours : neighbours - 1;
   const int end = kLanes * ring->block_count();
   // A closed ring goes round again; an open one stays where it ends.
   std::int32_t* u = ring->vertex.data();
-  for (int i = neighbours; i <= end; ++i) u[i] = u[closed ? i - neighbours : neighbours - 1];
+  for (int i = neighbours; i <= end; ++i) u[i] = u[ring->closed ? i - neighbours : neighbours - 1];
   const LongRow base = LoadAs<LongRow>(&places[vertex]);
   const auto place = [&](int i) {
     return __builtin_convertvector(LoadAs<LongRow>(&places[u[i]]) - base, Row);
@@ -151,8 +151,7 @@ CCST_INLINE void MeasureAnglesIn(const Ring& ring, RingAngles* angles) {
 CCST_INLINE int FindSpoiltIn(const Ring& ring, const RingAngles& angles,
                              std::array<int, Ring::kMost>* spokes) {
   // Between each triangle and the next: all around a closed ring, on the boundary one less.
-  const bool closed = ring.triangles == ring.neighbours;
-  const int count = closed ? ring.triangles : ring.triangles - 1;
+  const int count = ring.closed ? ring.triangles : ring.triangles - 1;
   int found = 0;
   bool is_first_spoilt = false;
   for (int i = 0; i < count; i += kLanes) {
@@ -185,9 +184,9 @@ CCST_INLINE int FindSpoiltIn(const Ring& ring, const RingAngles& angles,
 #define CCST_AVX2  // Never chosen.
 #endif
 
-CCST_AVX2 void FinishWide(bool closed, const RingPlace* places, const RingNormal* normals,
+CCST_AVX2 void FinishWide(const RingPlace* places, const RingNormal* normals,
                           std::int32_t vertex, Ring* ring) {
-  FinishIn(closed, places, normals, vertex, ring);
+  FinishIn(places, normals, vertex, ring);
 }
 
 CCST_AVX2 RingSums SumWide(const Ring& ring, Energy energy, const Vector3& n, const Vector3& t1,
@@ -221,10 +220,10 @@ Registers WidestRegisters() {
   return Registers::kPortable;
 }
 
-void Finish(bool closed, const RingPlace* places, const RingNormal* normals, std::int32_t vertex,
+void Finish(const RingPlace* places, const RingNormal* normals, std::int32_t vertex,
             Registers registers, Ring* ring) {
-  if (registers == Registers::kAvx2) return FinishWide(closed, places, normals, vertex, ring);
-  FinishIn(closed, places, normals, vertex, ring);
+  if (registers == Registers::kAvx2) return FinishWide(places, normals, vertex, ring);
+  FinishIn(places, normals, vertex, ring);
 }
 
 RingSums Sum(const Ring& ring, Energy energy, const Eigen::Vector3d& n, const Eigen::Vector3d& t1,

@@ -37,6 +37,7 @@ struct Ring {
   };
 
   int neighbours = 0;
+  bool closed = true;    ///< No boundary vertex's.
   int triangles = 0;     ///< As many as neighbours, or one less on the boundary.
   double scale = 0.0;    ///< c = scale * density * |cross product|.
   double spacing = 0.0;  ///< Of a regular ring of this area, once somebody knows.
@@ -70,10 +71,9 @@ enum class Registers : std::uint8_t { kPortable, kAvx2 };
 /// The widest of this processor.
 Registers WidestRegisters();
 
-/// Closes a ring whose neighbours are named, with their densities unless they are uniform, or, of
-/// a boundary vertex, leaves it open; and fills its blocks. `places` and `normals` are of all
-/// samples, `vertex` is the one in the middle.
-void Finish(bool closed, const RingPlace* places, const RingNormal* normals, std::int32_t vertex,
+/// Fills the blocks of a ring whose neighbours are named, with their densities unless they are
+/// uniform. `places` and `normals` are of all samples, `vertex` is the one in the middle.
+void Finish(const RingPlace* places, const RingNormal* normals, std::int32_t vertex,
             Registers registers, Ring* ring);
 
 /// @param n       unit normal of the surface at the vertex.
