@@ -38,7 +38,7 @@ constexpr std::size_t kFan = 4;
 /// Vertices of a block: enough that few lie between blocks, few enough that there are many blocks.
 /// Of the number of samples alone, for the order of the visits follows from it.
 std::int32_t BlockSize(std::int32_t count) {
-  return count < kLeastForBlocks ? count : std::clamp(count / 32, 1024, 8192);
+  return count < kLeastForBlocks ? count : std::clamp(count / 12, 1024, 16384);
 }
 
 double SpacingOf(const Ring& ring, const RingSums& sums) {
@@ -65,14 +65,15 @@ std::vector<HostVertex> HostVertices(const Surface& surface, const Parallel& par
 
 }  // namespace
 
-std::vector<std::vector<GeometryPhase::Block>> GeometryPhase::MakeLevels() {
-  std::vector<std::vector<Block>> levels;
+GeometryPhase::Levels GeometryPhase::MakeLevels(bool shifted) {
+  Levels levels;
   const std::int64_t count = samples_.count();
   std::int64_t size = std::max(1, BlockSize(samples_.count()));
+  const std::int64_t shift = shifted && size < count ? size / 2 : 0;
   do {
     std::vector<Block>& blocks = levels.emplace_back();
-    for (std::int64_t first = 0; first < count; first += size) {
-      const auto begin = static_cast<std::int32_t>(first);
+    for (std::int64_t first = -shift; first < count; first += size) {
+      const auto begin = static_cast<std::int32_t>(std::max<std::int64_t>(first, 0));
       const auto end = static_cast<std::int32_t>(std::min(first + size, count));
       blocks.emplace_back(begin, end, EdgeFlips(&mesh_, &samples_.position, &samples_.normal));
     }
@@ -92,7 +93,7 @@ GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, con
       mesh_(*mesh),
       samples_(*samples),
       hosts_(HostVertices(*surface, *parallel)),
-      levels_(MakeLevels()) {
+      levels_{MakeLevels(false), MakeLevels(true)} {
   scale_.reserve(plan->components.size());
   for (const ComponentPlan& component : plan->components) scale_.push_back(1.0 / component.target);
   active_.assign(samples->count(), 1);
@@ -550,8 +551,8 @@ void GeometryPhase::FlipBlock(Block* block) {
   block->spoilt_edges.swap(block->flips.beyond);
 }
 
-void GeometryPhase::FindCandidates(std::size_t level, std::size_t b) {
-  Block& block = levels_[level][b];
+void GeometryPhase::FindCandidates(Levels* levels, std::size_t level, std::size_t b) {
+  Block& block = (*levels)[level][b];
   block.candidates.clear();
   const auto add = [&](std::int32_t v) {
     if (active_[v] && samples_.kind[v] != SampleMesh::Kind::kFixed) block.candidates.push_back(v);
@@ -560,7 +561,7 @@ void GeometryPhase::FindCandidates(std::size_t level, std::size_t b) {
     for (std::int32_t v = block.first; v < block.end; ++v) add(v);
     return;
   }
-  const std::vector<Block>& parts = levels_[level - 1];
+  const std::vector<Block>& parts = (*levels)[level - 1];
   for (std::size_t i = kFan * b; i < std::min(kFan * (b + 1), parts.size()); ++i) {
     for (const std::int32_t v : parts[i].waiting) add(v);
   }
@@ -568,15 +569,16 @@ void GeometryPhase::FindCandidates(std::size_t level, std::size_t b) {
 
 GeometryPhase::Change GeometryPhase::Sweep(int passes, bool flip, Interrupt* interrupt) {
   Change change;
-  for (std::size_t level = 0; level < levels_.size(); ++level) {
-    std::vector<Block>& blocks = levels_[level];
+  Levels& levels = levels_[sweeps_++ % 2];
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    std::vector<Block>& blocks = levels[level];
     parallel_.For(static_cast<std::int64_t>(blocks.size()), [&, stop = *interrupt](std::int64_t b) {
       Block& block = blocks[static_cast<std::size_t>(b)];
       block.change = {};
       block.waiting.clear();
       block.spoilt_edges.clear();
       if (level > 0) {
-        const std::vector<Block>& parts = levels_[level - 1];
+        const std::vector<Block>& parts = levels[level - 1];
         const std::size_t first = kFan * static_cast<std::size_t>(b);
         for (std::size_t i = first; i < std::min(first + kFan, parts.size()); ++i) {
           block.spoilt_edges.insert(block.spoilt_edges.end(), parts[i].spoilt_edges.begin(),
@@ -585,7 +587,7 @@ GeometryPhase::Change GeometryPhase::Sweep(int passes, bool flip, Interrupt* int
       }
       Interrupt own(stop);
       for (int pass = 0; pass < passes && !own.Requested(); ++pass) {
-        FindCandidates(level, static_cast<std::size_t>(b));
+        FindCandidates(&levels, level, static_cast<std::size_t>(b));
         VisitBlock(&block);
         if (flip) FlipBlock(&block);
       }
@@ -595,7 +597,7 @@ GeometryPhase::Change GeometryPhase::Sweep(int passes, bool flip, Interrupt* int
       change.flips += block.change.flips;
     }
   }
-  spoilt_edges_ = levels_.back().front().spoilt_edges;
+  spoilt_edges_ = levels.back().front().spoilt_edges;
   return change;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -114,10 +115,13 @@ class GeometryPhase {
     std::vector<std::int32_t> spoilt_edges;  // That have not been flipped yet.
     Change change;
   };
-  std::vector<std::vector<Block>> MakeLevels();
+  // Blocks of more and more samples; the last is one.
+  using Levels = std::vector<std::vector<Block>>;
+  // @param shifted  blocks begin in the middle of those that are not.
+  Levels MakeLevels(bool shifted);
   Change Sweep(int passes, bool flip, Interrupt* interrupt);
   // What is active of the blocks of the level below that make up block `b`, or of all its vertices.
-  void FindCandidates(std::size_t level, std::size_t b);
+  void FindCandidates(Levels* levels, std::size_t level, std::size_t b);
   void VisitBlock(Block* block);
   void FlipBlock(Block* block);
   // Eight that have not been found to be neighbours.
@@ -163,7 +167,9 @@ class GeometryPhase {
   std::vector<SmallRing> rings_;
   std::vector<SmallRing> triangles_;  // From each neighbour to the next; with a density only.
   std::vector<std::uint8_t> valences_;
-  std::vector<std::vector<Block>> levels_;  // Blocks of more and more samples; the last is one.
+  // In turn, so that what lies between blocks is not always the same.
+  std::array<Levels, 2> levels_;
+  std::size_t sweeps_ = 0;
   std::vector<std::int32_t> spoilt_edges_;
   std::vector<std::uint8_t> active_;
   std::vector<std::uint8_t> moved_;
