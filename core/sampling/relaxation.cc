@@ -93,6 +93,10 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
       *samples = std::move(best.samples);
       geometry.UpdateAllDensities(stop);
     }
+    // Passes keep normals in single precision.
+    for (std::int32_t v = 0; v < samples->count(); ++v) {
+      samples->normal[v] = surface.NormalAt(samples->face[v], samples->weights[v]);
+    }
     const GeometryPhase::Spread spread = geometry.MeasureCapacities();
     result.energy = spread.energy;
     result.capacity_cv = spread.cv;
@@ -137,17 +141,24 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
   };
 
   if (mesh->triangle_count() == 0) return finish(Termination::kConverged);  // Points alone.
+  // Densities have to keep up with the samples.
+  const int passes_at_once = density.uniform() ? kPassesPerAlternation : 1;
   int mends = 0;
   int failed = 0;
   while (result.alternations < options.max_iterations) {
     if (interrupt->Requested()) return finish(interrupted());
     geometry.ClearMoved();
     flips.touched.clear();
-    const GeometryPhase::Change change = geometry.Alternate(kPassesPerAlternation, interrupt);
-    if (interrupt->Requested()) return finish(interrupted());
-    state.flips = change.flips;
-    state.max_displacement = change.largest_move * plan.spacing;
-    geometry.UpdateDensities(interrupt);
+    state.max_displacement = 0.0;
+    state.flips = 0;
+    for (int pass = 0; pass < kPassesPerAlternation; pass += passes_at_once) {
+      const GeometryPhase::Change change = geometry.Alternate(passes_at_once, interrupt);
+      if (interrupt->Requested()) return finish(interrupted());
+      state.max_displacement =
+          std::max(state.max_displacement, change.largest_move * plan.spacing);
+      state.flips += change.flips;
+      geometry.UpdateDensities(interrupt);
+    }
     result.passes += kPassesPerAlternation;
     ++result.alternations;
     state.alternation = result.alternations;

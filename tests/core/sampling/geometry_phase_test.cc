@@ -125,8 +125,8 @@ void ExpectNewtonStep(const TriangleMesh& mesh, std::int64_t count, double k1, d
 }
 
 TEST(GeometryPhase, NewtonStepAgreesWithFiniteDifferencesOnAPlane) {
-  // The energy is a quadratic there and the step exact.
-  ExpectNewtonStep(shapes::PlaneGrid(1, 1, 10, 10), 400, 0.0, 0.0, 1e-6);
+  // The energy is a quadratic there and the step exact but for single precision.
+  ExpectNewtonStep(shapes::PlaneGrid(1, 1, 10, 10), 400, 0.0, 0.0, 1e-5);
 }
 
 TEST(GeometryPhase, NewtonStepAgreesWithFiniteDifferencesOnACylinder) {
@@ -220,7 +220,7 @@ TEST(GeometryPhase, EnergyNeverRises) {
 
 TEST(GeometryPhase, BlocksSideBySideVisitEverySample) {
   Interrupt never;
-  Start start = *MakeStart(shapes::Torus(1, 0.35, 60, 24), 20000, 1);
+  Start start = *MakeStart(shapes::Torus(1, 0.35, 60, 24), 40000, 1);
   const std::vector<Eigen::Vector3d> before = start.samples.position;
   const Parallel parallel(2);
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
@@ -235,7 +235,7 @@ TEST(GeometryPhase, BlocksSideBySideVisitEverySample) {
   // Of white noise next to none is where it should be.
   std::int64_t moved = 0;
   for (std::size_t i = 0; i < before.size(); ++i) moved += before[i] != start.samples.position[i];
-  EXPECT_GT(moved, 19900);
+  EXPECT_GT(moved, 39800);
 }
 
 TEST(GeometryPhase, PassesTurnNoTriangleOver) {
