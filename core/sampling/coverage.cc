@@ -94,10 +94,19 @@ std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh, cons
     const Eigen::Vector3d& place = surface_.positions()[v];
     UncoveredPlace nearest{v, -1, std::numeric_limits<double>::infinity(), spacing_[k]};
     const std::int32_t component = surface_.face_components()[surface_.outgoing()[v] / 3];
-    for (const std::int32_t i : tree.Nearest(place, kNearest)) {
-      if (samples.component[i] != component) continue;
+    const auto may_cover = [&](std::int32_t i) {
       // Triangles on the other side of a thin part do not cover this one.
-      if (samples.normal[i].dot(surface_.normals()[v]) < -0.5) continue;
+      return samples.component[i] == component &&
+             samples.normal[i].dot(surface_.normals()[v]) >= -0.5;
+    };
+    // Next to a sample, which nearly all are, there is nothing to measure.
+    const std::vector<std::int32_t> next = tree.Nearest(place, 1);
+    if (!next.empty() && may_cover(next[0]) && mesh.outgoing[next[0]] >= 0 &&
+        (samples.position[next[0]] - place).norm() <= limit_[k] * spacing_[k]) {
+      continue;
+    }
+    for (const std::int32_t i : tree.Nearest(place, kNearest)) {
+      if (!may_cover(i)) continue;
       mesh.ForEachOutgoing(i, [&](std::int32_t h) {
         const Eigen::Vector3d& a = samples.position[i];
         const Eigen::Vector3d& b = samples.position[mesh.Target(h)];
