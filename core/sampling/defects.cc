@@ -16,9 +16,6 @@ namespace {
 /// A sample whose total angle is this much below 2 pi holds a tip [rad].
 constexpr double kTipDeficit = 1.3;
 
-/// Neighbours this many times as far as the least separation are close.
-constexpr double kClose = 1.2;
-
 /// Triangles or samples that one thread looks at in one go.
 constexpr std::int32_t kPiece = 8192;
 
@@ -85,10 +82,9 @@ class DefectSearch {
   void CheckSample(std::int32_t v, std::vector<Defect>* found) const {
     if (!scope_[v] || samples_.kind[v] == SampleMesh::Kind::kPoint) return;
     int degree = mesh_.IsBoundary(v) ? 1 : 0;
-    const bool check_near = limits_.all_near && HasCloseNeighbour(v);
     mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
       ++degree;
-      if (check_near) {
+      if (limits_.all_near) {
         CheckNear(v, h, found);
       } else if (mesh_.twin[h] > h) {
         CheckPair(mesh_.Apex(h), mesh_.Apex(mesh_.twin[h]), found);
@@ -123,18 +119,6 @@ class DefectSearch {
     if (worst >= 0) found->push_back({worst, is_grave});
   }
 
-  /// Whether it can have any within the least separation: the nearest of a sample is a neighbour,
-  /// as triangles are Delaunay, but for what bends and locks do.
-  bool HasCloseNeighbour(std::int32_t v) const {
-    const double close = kClose * limits_.least_separation * kClose * limits_.least_separation;
-    bool found = false;
-    mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
-      found = found || SquaredSeparation(v, mesh_.Target(h)) < close ||
-              SquaredSeparation(v, mesh_.Apex(h)) < close;
-    });
-    return found;
-  }
-
   /// Pairs of `v` with the target of `h`, the third corner of its triangle, and their neighbours.
   void CheckNear(std::int32_t v, std::int32_t h, std::vector<Defect>* found) const {
     // Every pair once, from its smaller index, or from the one in the scope.
@@ -152,19 +136,14 @@ class DefectSearch {
     if (mesh_.twin[SampleMesh::Previous(h)] < 0) check_around(mesh_.Apex(h));
   }
 
-  /// In units of the local spacing.
-  double SquaredSeparation(std::int32_t c, std::int32_t d) const {
-    const double distance = (samples_.position[c] - samples_.position[d]).squaredNorm() /
-                            squared_spacing_[samples_.component[c]];
-    if (density_.uniform()) return distance;
-    // Where it changes fast the denser of the two ends decides.
-    return distance *
-           std::max(density_.At(samples_.face[c], samples_.weights[c], footprint_),
-                    density_.At(samples_.face[d], samples_.weights[d], footprint_));
-  }
-
   void CheckPair(std::int32_t c, std::int32_t d, std::vector<Defect>* found) const {
-    const double distance = SquaredSeparation(c, d);
+    double distance = (samples_.position[c] - samples_.position[d]).squaredNorm() /
+                      squared_spacing_[samples_.component[c]];
+    if (!density_.uniform()) {
+      // Where it changes fast the denser of the two ends decides.
+      distance *= std::max(density_.At(samples_.face[c], samples_.weights[c], footprint_),
+                           density_.At(samples_.face[d], samples_.weights[d], footprint_));
+    }
     if (distance < limits_.least_separation * limits_.least_separation &&
         FaceCross(surface_, samples_.face[c]).dot(FaceCross(surface_, samples_.face[d])) > 0.0) {
       Blame({c, d}, distance < grave_.least_separation * grave_.least_separation, found);

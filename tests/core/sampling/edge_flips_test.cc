@@ -1,7 +1,9 @@
 #include "core/sampling/edge_flips.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -121,6 +123,34 @@ TEST(EdgeFlips, PlaneEndsWithEmptyCircles) {
       EXPECT_GE(((q - p[t[0]]).head<2>() - center).norm(), center.norm() * (1.0 - 1e-5));
     }
   }
+}
+
+// Two halves of the samples side by side and then what lies between come to the same as all at
+// once: every edge is locally Delaunay, and no half changes anything of the other.
+TEST(EdgeFlips, RestrictedToHalvesLeaveTheRestToOthers) {
+  Start start = Moved(shapes::Torus(1, 0.4, 80, 40), 2000);
+  const std::int32_t count = start.samples.count();
+  std::vector<std::int32_t> left;
+  for (const auto& [first, end] : {std::pair(0, count / 2), std::pair(count / 2, count)}) {
+    const SampleMesh before = start.mesh;
+    EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
+    flips.Restrict(first, end);
+    EXPECT_GT(flips.FlipAll(), 20);
+    for (const std::int32_t v : flips.touched) EXPECT_TRUE(v >= first && v < end);
+    for (std::int32_t t = 0; t < before.triangle_count(); ++t) {
+      const std::int32_t* corner = &before.origin[3 * t];
+      if (std::all_of(corner, corner + 3, [&](std::int32_t v) { return v >= first && v < end; })) {
+        continue;
+      }
+      EXPECT_TRUE(std::equal(corner, corner + 3, &start.mesh.origin[3 * t]));
+    }
+    left.insert(left.end(), flips.beyond.begin(), flips.beyond.end());
+  }
+  EXPECT_EQ(sampling_test::FindInconsistency(start.mesh), "");
+  EXPECT_GT(CountNotDelaunay(start.mesh, start.samples.position), 0);
+  EdgeFlips rest(&start.mesh, &start.samples.position, &start.samples.normal);
+  EXPECT_GT(rest.FlipThese(left), 0);
+  EXPECT_EQ(CountNotDelaunay(start.mesh, start.samples.position), 0);
 }
 
 // Flipping what the passes name leaves what a search over all edges would leave, once the samples

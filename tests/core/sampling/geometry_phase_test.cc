@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/interrupt.h"
+#include "core/parallel/parallel.h"
 #include "core/quality/capacity.h"
 #include "core/quality/sample_mesh_quality.h"
 #include "core/surface/frame.h"
@@ -236,6 +237,29 @@ TEST(GeometryPhase, BlocksSideBySideVisitEverySample) {
   std::int64_t moved = 0;
   for (std::size_t i = 0; i < before.size(); ++i) moved += before[i] != start.samples.position[i];
   EXPECT_GT(moved, 39800);
+}
+
+// Above the number of samples from which there are blocks.
+TEST(GeometryPhase, AlternationsFlipWhatTheirPassesSpoil) {
+  Interrupt never;
+  Start start = *MakeStart(shapes::Torus(1, 0.35, 60, 24), 40000, 1);
+  const Parallel parallel(2);
+  GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
+                         &start.samples, &parallel);
+  double last = geometry.MeasureCapacities().cv;
+  for (int alternation = 0; alternation < 4; ++alternation) {
+    geometry.ClearMoved();
+    const GeometryPhase::Change change = geometry.Alternate(3, &never);
+    EXPECT_GT(change.flips, 100);
+    EXPECT_GT(change.largest_move, 0.0);
+    const double now = geometry.MeasureCapacities().cv;
+    EXPECT_LT(now, last);
+    last = now;
+  }
+  EXPECT_EQ(sampling_test::FindInconsistency(start.mesh), "");
+  // What moves left for the next alternation apart, all is Delaunay.
+  EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
+  EXPECT_LT(flips.FlipAll(), 400) << "of 120,000 edges";
 }
 
 TEST(GeometryPhase, PassesTurnNoTriangleOver) {
