@@ -14,32 +14,14 @@ namespace ccst {
 namespace {
 
 constexpr int kMaxHalvings = 4;
-/// Longest step in units of the local spacing.
-constexpr double kLongestStep = 0.5;
-/// Shortest Newton step that is made, in units of what counts as rest: far below it, however it
-/// would end.
-constexpr double kLeastStep = 0.1;
 /// Neighbours on a boundary loop do not come nearer than this, in units of the local spacing.
 constexpr double kLeastBoundarySpacing = 0.8;
 /// Relative change of a triangle's density that counts as none.
 constexpr double kDensityRest = 0.01;
-/// Fewer samples are one block: they are not worth several threads.
-constexpr std::int32_t kLeastForBlocks = 32768;
-
-/// Triangles that one thread sums up in one go.
+/// Triangles or vertices of the surface that one thread takes in one go.
 constexpr std::int32_t kPiece = 8192;
-
 /// Marks in valences_: the ring is no SmallRing.
 constexpr std::uint8_t kNoSmallRing = 255;
-
-/// Blocks that become one of the next level.
-constexpr std::size_t kFan = 4;
-
-/// Vertices of a block: enough that few lie between blocks, few enough that there are many blocks.
-/// Of the number of samples alone, for the order of the visits follows from it.
-std::int32_t BlockSize(std::int32_t count) {
-  return count < kLeastForBlocks ? count : std::clamp(count / 12, 1024, 16384);
-}
 
 double SpacingOf(const Ring& ring, const RingSums& sums) {
   return std::sqrt(2.0 / std::sqrt(3.0) * sums.area / ring.triangles);
@@ -65,23 +47,6 @@ std::vector<HostVertex> HostVertices(const Surface& surface, const Parallel& par
 
 }  // namespace
 
-GeometryPhase::Levels GeometryPhase::MakeLevels(bool shifted) {
-  Levels levels;
-  const std::int64_t count = samples_.count();
-  std::int64_t size = std::max(1, BlockSize(samples_.count()));
-  const std::int64_t shift = shifted && size < count ? size / 2 : 0;
-  do {
-    std::vector<Block>& blocks = levels.emplace_back();
-    for (std::int64_t first = -shift; first < count; first += size) {
-      const auto begin = static_cast<std::int32_t>(std::max<std::int64_t>(first, 0));
-      const auto end = static_cast<std::int32_t>(std::min(first + size, count));
-      blocks.emplace_back(begin, end, EdgeFlips(&mesh_, &samples_.position, &samples_.normal));
-    }
-    size *= kFan;
-  } while (levels.back().size() > 1);
-  return levels;
-}
-
 GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, const Plan* plan,
                              Energy energy, SampleMesh* mesh, Samples* samples,
                              const Parallel* parallel, Interrupt* interrupt)
@@ -106,11 +71,9 @@ GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, con
   if (density->uniform()) return;
   triangles_.resize(samples->count());
   mean_density_.assign(mesh->triangle_count(), 1.0F);
-  is_outdated_.assign(samples->count(), 0);
-  for (std::int32_t t = 0; t < mesh->triangle_count(); ++t) {
-    if (interrupt != nullptr && interrupt->RequestedAt(t)) break;
-    mean_density_[t] = static_cast<float>(MeanDensity(t));
-  }
+  is_outdated_.assign(samples->count(), 1);
+  Interrupt never;
+  UpdateDensities(interrupt != nullptr ? interrupt : &never);
 }
 
 double GeometryPhase::MeanDensity(std::int32_t t) const {
@@ -295,9 +258,8 @@ bool GeometryPhase::Gather(std::int32_t v, Ring* ring) const {
   return true;
 }
 
-bool GeometryPhase::Improves(const Ring& ring, const RingSums& before,
-                             const Eigen::Vector3d& step, const Eigen::Vector3d& normal,
-                             RingAngles* angles) const {
+bool GeometryPhase::Improves(const Ring& ring, const RingSums& before, const Eigen::Vector3d& step,
+                             const Eigen::Vector3d& normal, RingAngles* angles) const {
   double energy = 0.0;
   return Evaluate(ring, energy_, step, normal, before.least_facing, registers_, &energy, angles) &&
          energy <= before.energy * (1.0 - kRelativeEnergyRounding) - kEnergyRounding;
@@ -451,154 +413,6 @@ void GeometryPhase::Visit(std::int32_t v, Ring* ring, Block* block) {
 
 void GeometryPhase::VisitAlone(std::int32_t v, Ring* ring, Block* block) {
   if (Gather(v, ring)) Visit(v, ring, block);
-}
-
-void GeometryPhase::VisitTogether(Batch* batch, Ring* ring, Block* block) {
-  if (HasNeighbours(rings_.data(), registers_, *batch)) {
-    for (const std::int32_t v : batch->vertex) VisitAlone(v, ring, block);
-    return;
-  }
-  for (int k = 0; k < Batch::kSize; ++k) {
-    batch->scale[k] = static_cast<float>(0.5 * scale_[samples_.component[batch->vertex[k]]]);
-  }
-  const BatchSources sources = {
-      .places = places_.data(),
-      .normals = normals_.data(),
-      .rings = rings_.data(),
-      .valences = valences_.data(),
-      .faces = samples_.face.data(),
-      .weights = samples_.weights.data(),
-      .corners = surface_.faces().data(),
-      .vertices = hosts_.data(),
-      .densities = mean_density_.empty() ? nullptr : mean_density_.data(),
-      .triangles = triangles_.data(),
-      .energy = energy_,
-      .stretch = static_cast<float>(stretch),
-      .longest = static_cast<float>(kLongestStep),
-      .least = static_cast<float>(kLeastStep * rest)};
-  Step(sources, registers_, batch);
-  for (int k = 0; k < Batch::kSize; ++k) {
-    const std::int32_t v = batch->vertex[k];
-    if ((batch->settled >> k & 1) == 0) continue;
-    if (batch->spoilt[k] != 0) {
-      std::array<int, SmallRing::kMost> spokes;
-      int count = 0;
-      for (int i = 0; i < SmallRing::kMost; ++i) {
-        if ((batch->spoilt[k] >> i & 1) != 0) spokes[count++] = i;
-      }
-      AddSpokes(v, spokes.data(), count, &block->spoilt_edges);
-    }
-    if ((batch->moves >> k & 1) == 0) continue;
-    const double* position = batch->position[k];
-    const double* weights = batch->weights[k];
-    MoveTo(v,
-           {.face = samples_.face[v],
-            .weights = {weights[0], weights[1], weights[2]},
-            .position = {position[0], position[1], position[2]}},
-           {batch->normal[0][k], batch->normal[1][k], batch->normal[2][k]});
-    NoteMove(v, batch->move[k], rings_[v].vertex, valences_[v], block);
-  }
-  for (int k = 0; k < Batch::kSize; ++k) {
-    if ((batch->settled >> k & 1) == 0) VisitAlone(batch->vertex[k], ring, block);
-  }
-}
-
-void GeometryPhase::VisitBlock(Block* block) {
-  block->waiting.clear();
-  block->plain.clear();
-  const auto is_inside = [&](const std::int32_t* vertices, int count) {
-    return std::all_of(vertices, vertices + count,
-                       [&](std::int32_t u) { return u >= block->first && u < block->end; });
-  };
-  Ring ring;
-  for (const std::int32_t v : block->candidates) {
-    if (Learn(v)) {
-      if (is_inside(rings_[v].vertex, SmallRing::kMost)) {
-        active_[v] = 0;
-        block->plain.push_back(v);
-      } else {
-        block->waiting.push_back(v);
-      }
-    } else if (Gather(v, &ring)) {
-      if (is_inside(ring.vertex.data(), ring.neighbours)) {
-        active_[v] = 0;
-        Visit(v, &ring, block);
-      } else {
-        block->waiting.push_back(v);
-      }
-    }
-  }
-  // One from each eighth: these are hardly ever neighbours.
-  const std::size_t stride = block->plain.size() / Batch::kSize;
-  Batch batch;
-  for (std::size_t i = 0; i < stride; ++i) {
-    for (int k = 0; k < Batch::kSize; ++k) batch.vertex[k] = block->plain[i + k * stride];
-    VisitTogether(&batch, &ring, block);
-  }
-  for (std::size_t i = Batch::kSize * stride; i < block->plain.size(); ++i) {
-    VisitAlone(block->plain[i], &ring, block);
-  }
-}
-
-void GeometryPhase::FlipBlock(Block* block) {
-  block->flips.touched.clear();
-  block->flips.beyond.clear();
-  block->change.flips += block->flips.FlipThese(block->spoilt_edges);
-  for (const std::int32_t v : block->flips.touched) {
-    moved_[v] = 1;
-    ActivateFlipped(v);
-  }
-  block->spoilt_edges.swap(block->flips.beyond);
-}
-
-void GeometryPhase::FindCandidates(Levels* levels, std::size_t level, std::size_t b) {
-  Block& block = (*levels)[level][b];
-  block.candidates.clear();
-  const auto add = [&](std::int32_t v) {
-    if (active_[v] && samples_.kind[v] != SampleMesh::Kind::kFixed) block.candidates.push_back(v);
-  };
-  if (level == 0) {
-    for (std::int32_t v = block.first; v < block.end; ++v) add(v);
-    return;
-  }
-  const std::vector<Block>& parts = (*levels)[level - 1];
-  for (std::size_t i = kFan * b; i < std::min(kFan * (b + 1), parts.size()); ++i) {
-    for (const std::int32_t v : parts[i].waiting) add(v);
-  }
-}
-
-GeometryPhase::Change GeometryPhase::Sweep(int passes, bool flip, Interrupt* interrupt) {
-  Change change;
-  Levels& levels = levels_[sweeps_++ % 2];
-  for (std::size_t level = 0; level < levels.size(); ++level) {
-    std::vector<Block>& blocks = levels[level];
-    parallel_.For(static_cast<std::int64_t>(blocks.size()), [&, stop = *interrupt](std::int64_t b) {
-      Block& block = blocks[static_cast<std::size_t>(b)];
-      block.change = {};
-      block.waiting.clear();
-      block.spoilt_edges.clear();
-      if (level > 0) {
-        const std::vector<Block>& parts = levels[level - 1];
-        const std::size_t first = kFan * static_cast<std::size_t>(b);
-        for (std::size_t i = first; i < std::min(first + kFan, parts.size()); ++i) {
-          block.spoilt_edges.insert(block.spoilt_edges.end(), parts[i].spoilt_edges.begin(),
-                                    parts[i].spoilt_edges.end());
-        }
-      }
-      Interrupt own(stop);
-      for (int pass = 0; pass < passes && !own.Requested(); ++pass) {
-        FindCandidates(&levels, level, static_cast<std::size_t>(b));
-        VisitBlock(&block);
-        if (flip) FlipBlock(&block);
-      }
-    });
-    for (const Block& block : blocks) {
-      change.largest_move = std::max(change.largest_move, block.change.largest_move);
-      change.flips += block.change.flips;
-    }
-  }
-  spoilt_edges_ = levels.back().front().spoilt_edges;
-  return change;
 }
 
 }  // namespace ccst

@@ -99,6 +99,12 @@ class GeometryPhase {
   double stretch = 1.5;
 
  private:
+  /// Longest step in units of the local spacing.
+  static constexpr double kLongestStep = 0.5;
+  /// Shortest Newton step that is made, in units of what counts as rest: far below it, however it
+  /// would end.
+  static constexpr double kLeastStep = 0.1;
+
   // Consecutive vertices and what a sweep over them takes and leaves.
   struct Block {
     Block(std::int32_t first_vertex, std::int32_t end_vertex, EdgeFlips own_flips)

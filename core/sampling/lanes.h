@@ -61,9 +61,7 @@ CCST_INLINE Lanes Select(const Choice& which, const Lanes& then, const Lanes& ot
   return which ? then : otherwise;
 }
 
-CCST_INLINE Lanes Masked(const Choice& which, const Lanes& a) {
-  return (Lanes)((Choice)a & which);
-}
+CCST_INLINE Lanes Masked(const Choice& which, const Lanes& a) { return (Lanes)((Choice)a & which); }
 
 CCST_INLINE Lanes Smaller(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
 

@@ -20,10 +20,9 @@ namespace {
 constexpr int kEarlyAlternations = 2;
 constexpr DefectLimits kEarlyLimits = {};
 
-/// Afterwards it mends what is left: twice while the rest settles too, and then whenever the
+/// Afterwards it mends what is left: once while the rest settles too, and then whenever the
 /// capacities have converged, as long as that leaves fewer defects.
-constexpr int kFirstMend = 3;
-constexpr int kSecondMend = 6;
+constexpr int kFirstMend = 5;
 constexpr int kMaxFinalMends = 40;
 constexpr int kMaxFailedMends = 14;
 constexpr DefectLimits kMendLimits = {.least_facing = 0.2,
@@ -154,8 +153,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
     for (int pass = 0; pass < kPassesPerAlternation; pass += passes_at_once) {
       const GeometryPhase::Change change = geometry.Alternate(passes_at_once, interrupt);
       if (interrupt->Requested()) return finish(interrupted());
-      state.max_displacement =
-          std::max(state.max_displacement, change.largest_move * plan.spacing);
+      state.max_displacement = std::max(state.max_displacement, change.largest_move * plan.spacing);
       state.flips += change.flips;
       geometry.UpdateDensities(interrupt);
     }
@@ -167,9 +165,9 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
     bool done = false;
     if (result.alternations <= kEarlyAlternations) {
       relocate(find_everywhere(kEarlyLimits), {});
-    } else if (result.alternations == kFirstMend || result.alternations == kSecondMend) {
+    } else if (result.alternations == kFirstMend) {
       relocate(find_everywhere(kMendLimits), coverage.FindUncovered(*mesh, *samples, interrupt));
-    } else if (result.alternations > kSecondMend && converged()) {
+    } else if (result.alternations > kFirstMend && converged()) {
       update_defects();
       const std::vector<UncoveredPlace> uncovered =
           coverage.FindUncovered(*mesh, *samples, interrupt);

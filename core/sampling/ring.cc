@@ -86,8 +86,7 @@ CCST_INLINE void FinishIn(const RingPlace* places, const RingNormal* normals, st
     for (int k = 0; k < kLanes; ++k) rows[k] = LoadAs<Row>(&normals[u[i + k]]);
     const Lanes3 up = Transposed(rows);
     Store(up + Shifted(up, LoadAs<Row>(&normals[u[i + kLanes]])), block.up);
-    const auto live =
-        LoadAs<Choice>(kLive + kLanes - std::min(ring->triangles - i, kLanes));
+    const auto live = LoadAs<Choice>(kLive + kLanes - std::min(ring->triangles - i, kLanes));
     std::memcpy(block.live, &live, sizeof live);
     Store(Masked(live, ring->uniform ? All(1.0F) : Load(&ring->density[i])), block.density);
   }
@@ -110,9 +109,8 @@ CCST_INLINE RingSums SumIn(const Ring& ring, Energy energy, const Vector3& n, co
     lanes.Add(t, Load(block.density), scale, energy, LoadAs<Choice>(block.live), t1, t2);
     least_facing = std::min(least_facing, LeastFacing(block, t, n));
   }
-  const Lanes found =
-      Totals({lanes.energy, lanes.area, lanes.gradient.x, lanes.gradient.y, lanes.gradient.z,
-              lanes.h11, lanes.h12, lanes.h22});
+  const Lanes found = Totals({lanes.energy, lanes.area, lanes.gradient.x, lanes.gradient.y,
+                              lanes.gradient.z, lanes.h11, lanes.h12, lanes.h22});
   RingSums sums;
   sums.energy = found[0];
   sums.area = found[1];
@@ -124,9 +122,8 @@ CCST_INLINE RingSums SumIn(const Ring& ring, Energy energy, const Vector3& n, co
   return sums;
 }
 
-CCST_INLINE bool EvaluateIn(const Ring& ring, Energy energy, const Vector3& step,
-                            const Vector3& n, float least_facing, double* sum,
-                            RingAngles* angles) {
+CCST_INLINE bool EvaluateIn(const Ring& ring, Energy energy, const Vector3& step, const Vector3& n,
+                            float least_facing, double* sum, RingAngles* angles) {
   Lanes total = {};
   const auto scale = static_cast<float>(ring.scale);
   for (int b = 0; b < ring.block_count(); ++b) {
@@ -134,8 +131,7 @@ CCST_INLINE bool EvaluateIn(const Ring& ring, Energy energy, const Vector3& step
     const Triangles t = TrianglesOf(Load(block.p) - step, Load(block.q) - step);
     if (LeastFacing(block, t, n) <= least_facing) return false;
     StoreAngles(t, kLanes * b, angles);
-    total += EnergyOf(scale * Load(block.density) * t.length, energy,
-                      LoadAs<Choice>(block.live));
+    total += EnergyOf(scale * Load(block.density) * t.length, energy, LoadAs<Choice>(block.live));
   }
   *sum = Total(total);
   return true;
@@ -184,8 +180,8 @@ CCST_INLINE int FindSpoiltIn(const Ring& ring, const RingAngles& angles,
 #define CCST_AVX2  // Never chosen.
 #endif
 
-CCST_AVX2 void FinishWide(const RingPlace* places, const RingNormal* normals,
-                          std::int32_t vertex, Ring* ring) {
+CCST_AVX2 void FinishWide(const RingPlace* places, const RingNormal* normals, std::int32_t vertex,
+                          Ring* ring) {
   FinishIn(places, normals, vertex, ring);
 }
 
@@ -194,9 +190,8 @@ CCST_AVX2 RingSums SumWide(const Ring& ring, Energy energy, const Vector3& n, co
   return SumIn(ring, energy, n, t1, t2);
 }
 
-CCST_AVX2 bool EvaluateWide(const Ring& ring, Energy energy, const Vector3& step,
-                            const Vector3& n, float least_facing, double* sum,
-                            RingAngles* angles) {
+CCST_AVX2 bool EvaluateWide(const Ring& ring, Energy energy, const Vector3& step, const Vector3& n,
+                            float least_facing, double* sum, RingAngles* angles) {
   return EvaluateIn(ring, energy, step, n, least_facing, sum, angles);
 }
 

@@ -32,7 +32,7 @@ struct Ring {
     float p[3][kLanes];
     float q[3][kLanes];
     float up[3][kLanes];
-    float density[kLanes];  ///< 0 for what fills up.
+    float density[kLanes];      ///< 0 for what fills up.
     std::int32_t live[kLanes];  ///< -1 for a triangle, 0 for what fills up.
   };
 

@@ -122,8 +122,8 @@ struct Steps {
   Choice none;       ///< It is too near.
   Lanes weights[2];  ///< What corners 1 and 2 gain.
   Lanes3 step;
-  Lanes spacing;     ///< Of regular rings of these areas.
-  Lanes energy;      ///< Before the step.
+  Lanes spacing;  ///< Of regular rings of these areas.
+  Lanes energy;   ///< Before the step.
 };
 
 CCST_INLINE Steps FindSteps(const BatchSources& sources, const Rings& rings, const Hosts& hosts,
@@ -166,8 +166,7 @@ CCST_INLINE Steps FindSteps(const BatchSources& sources, const Rings& rings, con
   steps.spacing = Sqrt(1.15470054F * sums.area / valence);
   steps.known = determinant > 0.0F;
   steps.none = ~(size > sources.least * steps.spacing);
-  const Lanes factor =
-      Smaller(sources.longest * steps.spacing / size, All(sources.stretch));
+  const Lanes factor = Smaller(sources.longest * steps.spacing / size, All(sources.stretch));
   const Lanes du = factor * u;
   const Lanes dw = factor * w;
   const Lanes rise = 0.5F * (ii11 * du * du + 2.0F * ii12 * du * dw + ii22 * dw * dw);
@@ -199,10 +198,9 @@ CCST_INLINE Choice Arrive(const BatchSources& sources, const Hosts& hosts, const
                              weights[2] * LoadAs<LongRow>(corner[2]->position);
     std::memcpy(batch->position[k], &position, sizeof position);
     // The number before the normal comes with it.
-    const Row row =
-        static_cast<float>(weights[0]) * LoadAs<Row>(&corner[0]->shape[6]) +
-        static_cast<float>(weights[1]) * LoadAs<Row>(&corner[1]->shape[6]) +
-        static_cast<float>(weights[2]) * LoadAs<Row>(&corner[2]->shape[6]);
+    const Row row = static_cast<float>(weights[0]) * LoadAs<Row>(&corner[0]->shape[6]) +
+                    static_cast<float>(weights[1]) * LoadAs<Row>(&corner[1]->shape[6]) +
+                    static_cast<float>(weights[2]) * LoadAs<Row>(&corner[2]->shape[6]);
     normal[k] = __builtin_shufflevector(row, row, 1, 2, 3, 0);
   }
   const Lanes3 sum = Transposed(normal);

@@ -27,16 +27,16 @@ struct alignas(64) HostVertex {
 
 /// What eight visits at a time read; nothing is owned.
 struct BatchSources {
-  const RingPlace* places = nullptr;           ///< Of the samples, like the next four.
+  const RingPlace* places = nullptr;  ///< Of the samples, like the next four.
   const RingNormal* normals = nullptr;
   const SmallRing* rings = nullptr;
   const std::uint8_t* valences = nullptr;
-  const std::int32_t* faces = nullptr;         ///< Hosts.
-  const Eigen::Vector3d* weights = nullptr;    ///< On the hosts.
-  const Eigen::Vector3i* corners = nullptr;    ///< Of the faces of the surface.
-  const HostVertex* vertices = nullptr;        ///< Of the surface.
-  const float* densities = nullptr;            ///< Of the sample triangles; null: 1.
-  const SmallRing* triangles = nullptr;        ///< From each neighbour to the next; with densities.
+  const std::int32_t* faces = nullptr;       ///< Hosts.
+  const Eigen::Vector3d* weights = nullptr;  ///< On the hosts.
+  const Eigen::Vector3i* corners = nullptr;  ///< Of the faces of the surface.
+  const HostVertex* vertices = nullptr;      ///< Of the surface.
+  const float* densities = nullptr;          ///< Of the sample triangles; null: 1.
+  const SmallRing* triangles = nullptr;      ///< From each neighbour to the next; with densities.
   Energy energy = Energy::kTarget;
   float stretch = 1.0F;  ///< Factor on the Newton step.
   float longest = 0.0F;  ///< Longest step, in units of the local spacing.
@@ -51,7 +51,7 @@ struct Batch {
 
   unsigned settled = 0;  ///< Bit k: vertex k makes `move`; else it needs a visit of its own.
   unsigned moves = 0;    ///< Bit k: and that is not nothing.
-  alignas(32) float move[kSize];    ///< In units of the local spacing.
+  alignas(32) float move[kSize];           ///< In units of the local spacing.
   alignas(32) std::int32_t spoilt[kSize];  ///< Bit i: the edge to neighbour i is not Delaunay then.
   alignas(32) double position[kSize][4];
   double weights[kSize][3];

@@ -41,8 +41,8 @@ struct Facing {
 
 CCST_INLINE Facing FacingOf(const Triangles& t, const Lanes3& up) {
   Facing facing = {Dot(t.cross, up), t.square * Dot(up, up), {}};
-  facing.enough = (facing.dot > 0.0F) &
-                  (facing.dot * facing.dot > kLeastFacing * kLeastFacing * facing.scale);
+  facing.enough =
+      (facing.dot > 0.0F) & (facing.dot * facing.dot > kLeastFacing * kLeastFacing * facing.scale);
   return facing;
 }
 

@@ -43,14 +43,15 @@ struct Fixture {
     ring->uniform = uniform;
     ring->closed = closed;
     ring->density.fill(std::numeric_limits<float>::quiet_NaN());  // Whatever was there before.
-    ring->scale = 0.15 * neighbours;                               // No capacity is near nothing.
+    ring->scale = 0.15 * neighbours;                              // No capacity is near nothing.
     for (int i = 0; i < neighbours; ++i) {
       const double turn = closed ? 2.0 * std::numbers::pi : 0.8 * std::numbers::pi;
       const double angle = turn * (i + any(-0.2, 0.2)) / neighbours;
       const double radius = any(0.8, 1.3);
       const int v = neighbours - 1 - i;
       const Eigen::Vector3d place =
-          kFar + Eigen::Vector3d(radius * std::cos(angle), radius * std::sin(angle), any(-0.1, 0.1));
+          kFar +
+          Eigen::Vector3d(radius * std::cos(angle), radius * std::sin(angle), any(-0.1, 0.1));
       places[v] = {place[0], place[1], place[2], 0.0};
       normals[v] = {0.0F, 0.125F, 1.0F, 0.0F};
       ring->vertex[i] = v;
@@ -116,8 +117,7 @@ TEST_P(AnyRing, GradientAgreesWithDifferences) {
     const double scale = fixture.ring->scale;
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(k);
-      const double slope =
-          (fixture.EnergyAt(fixture.vertex + step, energy) -
+      const double slope = (fixture.EnergyAt(fixture.vertex + step, energy) -
                             fixture.EnergyAt(fixture.vertex - step, energy)) /
                            (2 * kStep);
       EXPECT_NEAR(2.0 * scale * scale * sums.gradient[k], slope, 1e-5 * (1.0 + std::abs(slope)));
@@ -128,8 +128,7 @@ TEST_P(AnyRing, GradientAgreesWithDifferences) {
 TEST_P(AnyRing, MajoriserIsTheHessianOfSquaredAreas) {
   constexpr double kStep = 1e-3;
   const Fixture fixture(GetParam(), true, false);
-  const RingSums sums =
-      Sum(*fixture.ring, Energy::kSquaredArea, kUp, kT1, kT2, WidestRegisters());
+  const RingSums sums = Sum(*fixture.ring, Energy::kSquaredArea, kUp, kT1, kT2, WidestRegisters());
   const auto at = [&](double u, double w) {
     return fixture.EnergyAt(fixture.vertex + u * kStep * kT1 + w * kStep * kT2,
                             Energy::kSquaredArea);
@@ -149,8 +148,8 @@ TEST_P(AnyRing, EvaluateGivesTheEnergyOfThePlace) {
   const Eigen::Vector3d step(-0.05, 0.04, 0.0);
   RingAngles angles;
   double energy = 0.0;
-  ASSERT_TRUE(
-      Evaluate(*fixture.ring, Energy::kTarget, step, kUp, 1.0, WidestRegisters(), &energy, &angles));
+  ASSERT_TRUE(Evaluate(*fixture.ring, Energy::kTarget, step, kUp, 1.0, WidestRegisters(), &energy,
+                       &angles));
   const double expected = fixture.EnergyAt(fixture.vertex + step, Energy::kTarget);
   EXPECT_NEAR(energy, expected, kRounding * expected);
 }
