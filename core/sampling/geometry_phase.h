@@ -115,9 +115,7 @@ class GeometryPhase {
     std::int32_t first;
     std::int32_t end;
     EdgeFlips flips;
-    std::vector<std::int32_t> candidates;    // To be visited, if their neighbours are of the block.
-    std::vector<std::int32_t> waiting;       // The others.
-    std::vector<std::int32_t> plain;         // That can be visited eight at a time.
+    std::vector<std::int32_t> waiting;       // To be visited, with neighbours in other blocks.
     std::vector<std::int32_t> spoilt_edges;  // That have not been flipped yet.
     Change change;
   };
@@ -126,9 +124,16 @@ class GeometryPhase {
   // @param shifted  blocks begin in the middle of those that are not.
   Levels MakeLevels(bool shifted);
   Change Sweep(int passes, bool flip, Interrupt* interrupt);
+  // What a sweep over one block needs in between.
+  struct Scratch {
+    std::vector<std::int32_t> candidates;  // To be visited, if their neighbours are of the block.
+    std::vector<std::int32_t> plain;       // Of these, that can be visited eight at a time.
+    Ring ring;
+  };
   // What is active of the blocks of the level below that make up block `b`, or of all its vertices.
-  void FindCandidates(Levels* levels, std::size_t level, std::size_t b);
-  void VisitBlock(Block* block);
+  void FindCandidates(const Levels& levels, std::size_t level, std::size_t b,
+                      std::vector<std::int32_t>* candidates) const;
+  void VisitBlock(Block* block, Scratch* scratch);
   void FlipBlock(Block* block);
   // Eight that have not been found to be neighbours.
   void VisitTogether(Batch* batch, Ring* ring, Block* block);

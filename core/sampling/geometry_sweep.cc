@@ -91,19 +91,20 @@ void GeometryPhase::VisitTogether(Batch* batch, Ring* ring, Block* block) {
   }
 }
 
-void GeometryPhase::VisitBlock(Block* block) {
+void GeometryPhase::VisitBlock(Block* block, Scratch* scratch) {
   block->waiting.clear();
-  block->plain.clear();
+  std::vector<std::int32_t>& plain = scratch->plain;
+  plain.clear();
   const auto is_inside = [&](const std::int32_t* vertices, int count) {
     return std::all_of(vertices, vertices + count,
                        [&](std::int32_t u) { return u >= block->first && u < block->end; });
   };
-  Ring ring;
-  for (const std::int32_t v : block->candidates) {
+  Ring& ring = scratch->ring;
+  for (const std::int32_t v : scratch->candidates) {
     if (Learn(v)) {
       if (is_inside(rings_[v].vertex, SmallRing::kMost)) {
         active_[v] = 0;
-        block->plain.push_back(v);
+        plain.push_back(v);
       } else {
         block->waiting.push_back(v);
       }
@@ -117,14 +118,14 @@ void GeometryPhase::VisitBlock(Block* block) {
     }
   }
   // One from each eighth: these are hardly ever neighbours.
-  const std::size_t stride = block->plain.size() / Batch::kSize;
+  const std::size_t stride = plain.size() / Batch::kSize;
   Batch batch;
   for (std::size_t i = 0; i < stride; ++i) {
-    for (int k = 0; k < Batch::kSize; ++k) batch.vertex[k] = block->plain[i + k * stride];
+    for (int k = 0; k < Batch::kSize; ++k) batch.vertex[k] = plain[i + k * stride];
     VisitTogether(&batch, &ring, block);
   }
-  for (std::size_t i = Batch::kSize * stride; i < block->plain.size(); ++i) {
-    VisitAlone(block->plain[i], &ring, block);
+  for (std::size_t i = Batch::kSize * stride; i < plain.size(); ++i) {
+    VisitAlone(plain[i], &ring, block);
   }
 }
 
@@ -139,17 +140,18 @@ void GeometryPhase::FlipBlock(Block* block) {
   block->spoilt_edges.swap(block->flips.beyond);
 }
 
-void GeometryPhase::FindCandidates(Levels* levels, std::size_t level, std::size_t b) {
-  Block& block = (*levels)[level][b];
-  block.candidates.clear();
+void GeometryPhase::FindCandidates(const Levels& levels, std::size_t level, std::size_t b,
+                                   std::vector<std::int32_t>* candidates) const {
+  candidates->clear();
   const auto add = [&](std::int32_t v) {
-    if (active_[v] && samples_.kind[v] != SampleMesh::Kind::kFixed) block.candidates.push_back(v);
+    if (active_[v] && samples_.kind[v] != SampleMesh::Kind::kFixed) candidates->push_back(v);
   };
+  const Block& block = levels[level][b];
   if (level == 0) {
     for (std::int32_t v = block.first; v < block.end; ++v) add(v);
     return;
   }
-  const std::vector<Block>& parts = (*levels)[level - 1];
+  const std::vector<Block>& parts = levels[level - 1];
   for (std::size_t i = kFan * b; i < std::min(kFan * (b + 1), parts.size()); ++i) {
     for (const std::int32_t v : parts[i].waiting) add(v);
   }
@@ -174,9 +176,10 @@ GeometryPhase::Change GeometryPhase::Sweep(int passes, bool flip, Interrupt* int
         }
       }
       Interrupt own(stop);
+      Scratch scratch;
       for (int pass = 0; pass < passes && !own.Requested(); ++pass) {
-        FindCandidates(&levels, level, static_cast<std::size_t>(b));
-        VisitBlock(&block);
+        FindCandidates(levels, level, static_cast<std::size_t>(b), &scratch.candidates);
+        VisitBlock(&block, &scratch);
         if (flip) FlipBlock(&block);
       }
     });

@@ -50,6 +50,47 @@ constexpr int kWindow = 3;
 
 constexpr int kPassesPerAlternation = 3;
 
+/// What changes of samples and their mesh, without what follows from it.
+class Snapshot {
+ public:
+  Snapshot() = default;
+  Snapshot(const SampleMesh& mesh, const Samples& samples)
+      : origin_(mesh.origin),
+        twin_(mesh.twin),
+        locked_(mesh.locked),
+        outgoing_(mesh.outgoing),
+        face_(samples.face),
+        weights_(samples.weights),
+        arc_(samples.arc) {}
+
+  void Restore(const Surface& surface, SampleMesh* mesh, Samples* samples) {
+    mesh->origin = std::move(origin_);
+    mesh->twin = std::move(twin_);
+    mesh->locked = std::move(locked_);
+    mesh->outgoing = std::move(outgoing_);
+    samples->arc = std::move(arc_);
+    for (std::int32_t v = 0; v < samples->count(); ++v) {
+      const Eigen::Vector3i& corner = surface.faces()[face_[v]];
+      SurfacePoint point;
+      point.face = face_[v];
+      point.weights = weights_[v];
+      point.position = weights_[v][0] * surface.positions()[corner[0]] +
+                       weights_[v][1] * surface.positions()[corner[1]] +
+                       weights_[v][2] * surface.positions()[corner[2]];
+      samples->Place(v, surface, point);
+    }
+  }
+
+ private:
+  std::vector<std::int32_t> origin_;
+  std::vector<std::int32_t> twin_;
+  std::vector<std::uint8_t> locked_;
+  std::vector<std::int32_t> outgoing_;
+  std::vector<std::int32_t> face_;
+  std::vector<Eigen::Vector3d> weights_;
+  std::vector<double> arc_;
+};
+
 }  // namespace
 
 RelaxationReport Relax(const Surface& surface, const Density& density, const Plan& plan,
@@ -82,14 +123,12 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
   };
   // The converged state with the fewest defects so far.
   struct {
-    SampleMesh mesh;
-    Samples samples;
+    Snapshot state;
     std::size_t defects = std::numeric_limits<std::size_t>::max();
   } best;
   const auto finish = [&](Termination termination) {
     if (best.defects != std::numeric_limits<std::size_t>::max()) {
-      *mesh = std::move(best.mesh);
-      *samples = std::move(best.samples);
+      best.state.Restore(surface, mesh, samples);
       geometry.UpdateAllDensities(stop);
     }
     // Passes keep normals in single precision.
@@ -178,8 +217,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
                                                  defects.begin(), defects.end(),
                                                  [](const Defect& d) { return d.grave; })));
       if (count < best.defects) {
-        best.mesh = *mesh;
-        best.samples = *samples;
+        best.state = Snapshot(*mesh, *samples);
         best.defects = count;
       } else {
         ++failed;
