@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -28,6 +29,9 @@ constexpr double kCornerDeficit = 1.2;
 constexpr double kFlatDeficit = 0.1;
 constexpr double kAlone = 3.0;
 
+/// Vertices that one thread looks at in one go.
+constexpr std::int32_t kPiece = 4096;
+
 /// 2 pi less the angles of the faces at `vertex`, which is not on the boundary.
 double AngleDeficit(const Surface& surface, std::int32_t vertex) {
   double deficit = 2.0 * std::numbers::pi;
@@ -47,29 +51,16 @@ double AngleDeficit(const Surface& surface, std::int32_t vertex) {
 }  // namespace
 
 Coverage::Coverage(const Surface* surface, const Density* density, const Plan* plan,
-                   Interrupt* interrupt)
-    : surface_(*surface) {
+                   const Parallel* parallel, Interrupt* interrupt)
+    : surface_(*surface), parallel_(*parallel) {
+  FindCurved(*density, *plan, interrupt);
   std::vector<std::size_t> corners;     // Of curved_.
   std::vector<Eigen::Vector3d> places;  // Where the surface is not a bent plane.
-  for (std::int32_t v = 0; v < surface->vertex_count(); ++v) {
-    if (interrupt->RequestedAt(v)) break;
-    const std::int32_t h = surface->outgoing()[v];
-    if (surface->twins()[h] < 0) continue;  // Loops have their own samples.
-    if (plan->components[surface->face_components()[h / 3]].points) continue;
-    Eigen::Vector3d weights = Eigen::Vector3d::Zero();
-    weights[h % 3] = 1.0;
-    const PrincipalCurvatures curvature =
-        Diagonalise(surface->ShapeAt(h / 3, weights), surface->normals()[v]);
-    const double spacing =
-        plan->LocalSpacing(density->At(h / 3, weights, plan->spacing * plan->spacing));
-    if (std::abs(curvature.k1) * spacing <= kLeastCurvature) continue;
-    curved_.push_back(v);
-    spacing_.push_back(spacing);
-    limit_.push_back(kLimit);
-    const double deficit = AngleDeficit(*surface, v);
+  for (std::size_t k = 0; k < curved_.size(); ++k) {
+    const double deficit = AngleDeficit(*surface, curved_[k]);
     if (std::abs(deficit) < kFlatDeficit) continue;
-    places.push_back(surface->positions()[v]);
-    if (deficit > kCornerDeficit) corners.push_back(curved_.size() - 1);
+    places.push_back(surface->positions()[curved_[k]]);
+    if (deficit > kCornerDeficit) corners.push_back(k);
   }
   if (corners.empty()) return;
   const PointTree tree(places);
@@ -83,43 +74,86 @@ Coverage::Coverage(const Surface* surface, const Density* density, const Plan* p
   }
 }
 
+void Coverage::FindCurved(const Density& density, const Plan& plan, Interrupt* interrupt) {
+  std::vector<std::vector<std::pair<std::int32_t, double>>> pieces(
+      (surface_.vertex_count() + kPiece - 1) / kPiece);
+  parallel_.For(static_cast<std::int64_t>(pieces.size()), [&, stop = *interrupt](std::int64_t p) {
+    if (Interrupt(stop).Requested()) return;
+    const auto first = static_cast<std::int32_t>(p) * kPiece;
+    for (std::int32_t v = first; v < std::min(first + kPiece, surface_.vertex_count()); ++v) {
+      const std::int32_t h = surface_.outgoing()[v];
+      if (surface_.twins()[h] < 0) continue;  // Loops have their own samples.
+      if (plan.components[surface_.face_components()[h / 3]].points) continue;
+      const Eigen::Vector3d weights = Eigen::Vector3d::Unit(h % 3);
+      const PrincipalCurvatures curvature =
+          Diagonalise(surface_.ShapeAt(h / 3, weights), surface_.normals()[v]);
+      const double spacing =
+          plan.LocalSpacing(density.At(h / 3, weights, plan.spacing * plan.spacing));
+      if (std::abs(curvature.k1) * spacing <= kLeastCurvature) continue;
+      pieces[static_cast<std::size_t>(p)].emplace_back(v, spacing);
+    }
+  });
+  for (const auto& piece : pieces) {
+    for (const auto& [v, spacing] : piece) {
+      curved_.push_back(v);
+      spacing_.push_back(spacing);
+    }
+  }
+  limit_.assign(curved_.size(), kLimit);
+}
+
+UncoveredPlace Coverage::Measure(std::size_t k, const PointTree& tree, const SampleMesh& mesh,
+                                 const Samples& samples) const {
+  const std::int32_t v = curved_[k];
+  const Eigen::Vector3d& place = surface_.positions()[v];
+  UncoveredPlace nearest{v, -1, std::numeric_limits<double>::infinity(), spacing_[k]};
+  const std::int32_t component = surface_.face_components()[surface_.outgoing()[v] / 3];
+  const auto may_cover = [&](std::int32_t i) {
+    // Triangles on the other side of a thin part do not cover this one.
+    return samples.component[i] == component &&
+           samples.normal[i].dot(surface_.normals()[v]) >= -0.5;
+  };
+  // Next to a sample, which nearly all are, there is nothing to measure.
+  const std::vector<std::int32_t> next = tree.Nearest(place, 1);
+  if (!next.empty() && may_cover(next[0]) && mesh.outgoing[next[0]] >= 0 &&
+      (samples.position[next[0]] - place).norm() <= limit_[k] * spacing_[k]) {
+    return nearest;
+  }
+  for (const std::int32_t i : tree.Nearest(place, kNearest)) {
+    if (!may_cover(i)) continue;
+    mesh.ForEachOutgoing(i, [&](std::int32_t h) {
+      const Eigen::Vector3d& a = samples.position[i];
+      const Eigen::Vector3d& b = samples.position[mesh.Target(h)];
+      const Eigen::Vector3d& c = samples.position[mesh.Apex(h)];
+      const Eigen::Vector3d w = ClosestWeights(place, a, b, c);
+      const double distance = (w[0] * a + w[1] * b + w[2] * c - place).norm() / spacing_[k];
+      if (distance < nearest.distance) {
+        nearest.distance = distance;
+        nearest.triangle = h / 3;
+      }
+    });
+  }
+  return nearest;
+}
+
 std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh, const Samples& samples,
                                                     Interrupt* interrupt) const {
   std::vector<UncoveredPlace> found;
   if (curved_.empty()) return found;
   const PointTree tree(samples.position);
-  for (std::size_t k = 0; k < curved_.size(); ++k) {
-    if (interrupt->RequestedAt(static_cast<std::int64_t>(k))) break;
-    const std::int32_t v = curved_[k];
-    const Eigen::Vector3d& place = surface_.positions()[v];
-    UncoveredPlace nearest{v, -1, std::numeric_limits<double>::infinity(), spacing_[k]};
-    const std::int32_t component = surface_.face_components()[surface_.outgoing()[v] / 3];
-    const auto may_cover = [&](std::int32_t i) {
-      // Triangles on the other side of a thin part do not cover this one.
-      return samples.component[i] == component &&
-             samples.normal[i].dot(surface_.normals()[v]) >= -0.5;
-    };
-    // Next to a sample, which nearly all are, there is nothing to measure.
-    const std::vector<std::int32_t> next = tree.Nearest(place, 1);
-    if (!next.empty() && may_cover(next[0]) && mesh.outgoing[next[0]] >= 0 &&
-        (samples.position[next[0]] - place).norm() <= limit_[k] * spacing_[k]) {
-      continue;
+  std::vector<std::vector<UncoveredPlace>> pieces((curved_.size() + kPiece - 1) / kPiece);
+  parallel_.For(static_cast<std::int64_t>(pieces.size()), [&, stop = *interrupt](std::int64_t p) {
+    if (Interrupt(stop).Requested()) return;
+    const std::size_t first = static_cast<std::size_t>(p) * kPiece;
+    for (std::size_t k = first; k < std::min(first + kPiece, curved_.size()); ++k) {
+      const UncoveredPlace place = Measure(k, tree, mesh, samples);
+      if (place.triangle >= 0 && place.distance > limit_[k]) {
+        pieces[static_cast<std::size_t>(p)].push_back(place);
+      }
     }
-    for (const std::int32_t i : tree.Nearest(place, kNearest)) {
-      if (!may_cover(i)) continue;
-      mesh.ForEachOutgoing(i, [&](std::int32_t h) {
-        const Eigen::Vector3d& a = samples.position[i];
-        const Eigen::Vector3d& b = samples.position[mesh.Target(h)];
-        const Eigen::Vector3d& c = samples.position[mesh.Apex(h)];
-        const Eigen::Vector3d w = ClosestWeights(place, a, b, c);
-        const double distance = (w[0] * a + w[1] * b + w[2] * c - place).norm() / spacing_[k];
-        if (distance < nearest.distance) {
-          nearest.distance = distance;
-          nearest.triangle = h / 3;
-        }
-      });
-    }
-    if (nearest.triangle >= 0 && nearest.distance > limit_[k]) found.push_back(nearest);
+  });
+  for (const std::vector<UncoveredPlace>& piece : pieces) {
+    found.insert(found.end(), piece.begin(), piece.end());
   }
   std::sort(found.begin(), found.end(), [](const UncoveredPlace& a, const UncoveredPlace& b) {
     return a.distance != b.distance ? a.distance > b.distance : a.vertex < b.vertex;

@@ -1,13 +1,16 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "core/base/interrupt.h"
 #include "core/density/density.h"
+#include "core/parallel/parallel.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/sample_mesh.h"
 #include "core/sampling/samples.h"
+#include "core/spatial/point_tree.h"
 #include "core/surface/surface.h"
 
 namespace ccst {
@@ -25,7 +28,8 @@ struct UncoveredPlace {
 class Coverage {
  public:
   /// @param interrupt  once requested, the other vertices are left out.
-  Coverage(const Surface* surface, const Density* density, const Plan* plan, Interrupt* interrupt);
+  Coverage(const Surface* surface, const Density* density, const Plan* plan,
+           const Parallel* parallel, Interrupt* interrupt);
 
   /// Vertices of the surface that the sample mesh cuts off by most of a local spacing, at corners
   /// by half of one, farthest first, no two within a spacing of one another. When `interrupt` is
@@ -34,7 +38,13 @@ class Coverage {
                                             Interrupt* interrupt) const;
 
  private:
+  void FindCurved(const Density& density, const Plan& plan, Interrupt* interrupt);
+  // How far curved vertex `k` is from the triangles near it.
+  UncoveredPlace Measure(std::size_t k, const PointTree& tree, const SampleMesh& mesh,
+                         const Samples& samples) const;
+
   const Surface& surface_;
+  const Parallel& parallel_;
   std::vector<std::int32_t> curved_;  // Vertices of the surface.
   std::vector<double> spacing_;       // Per curved vertex.
   std::vector<double> limit_;         // Per curved vertex, in spacings.

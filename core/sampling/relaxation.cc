@@ -50,6 +50,16 @@ constexpr int kWindow = 3;
 
 constexpr int kPassesPerAlternation = 3;
 
+/// Calls `each(v)` for every sample.
+template <typename Each>
+void ForPieces(const Parallel& parallel, std::int32_t count, const Each& each) {
+  constexpr std::int32_t kPiece = 8192;
+  parallel.For((count + kPiece - 1) / kPiece, [&](std::int64_t p) {
+    const auto first = static_cast<std::int32_t>(p) * kPiece;
+    for (std::int32_t v = first; v < std::min(first + kPiece, count); ++v) each(v);
+  });
+}
+
 /// What changes of samples and their mesh, without what follows from it.
 class Snapshot {
  public:
@@ -63,13 +73,14 @@ class Snapshot {
         weights_(samples.weights),
         arc_(samples.arc) {}
 
-  void Restore(const Surface& surface, SampleMesh* mesh, Samples* samples) {
+  void Restore(const Surface& surface, const Parallel& parallel, SampleMesh* mesh,
+               Samples* samples) {
     mesh->origin = std::move(origin_);
     mesh->twin = std::move(twin_);
     mesh->locked = std::move(locked_);
     mesh->outgoing = std::move(outgoing_);
     samples->arc = std::move(arc_);
-    for (std::int32_t v = 0; v < samples->count(); ++v) {
+    ForPieces(parallel, samples->count(), [&](std::int32_t v) {
       const Eigen::Vector3i& corner = surface.faces()[face_[v]];
       SurfacePoint point;
       point.face = face_[v];
@@ -78,7 +89,7 @@ class Snapshot {
                        weights_[v][1] * surface.positions()[corner[1]] +
                        weights_[v][2] * surface.positions()[corner[2]];
       samples->Place(v, surface, point);
-    }
+    });
   }
 
  private:
@@ -101,7 +112,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
   const Parallel parallel(options.thread_count);
   GeometryPhase geometry(&surface, &density, &plan, options.energy, mesh, samples, &parallel, stop);
   EdgeFlips flips(mesh, &samples->position, &samples->normal);
-  const Coverage coverage(&surface, &density, &plan, stop);
+  const Coverage coverage(&surface, &density, &plan, &parallel, stop);
   Projection projection(&surface, 0.5 * plan.spacing);
 
   AlternationReport state;
@@ -128,13 +139,13 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
   } best;
   const auto finish = [&](Termination termination) {
     if (best.defects != std::numeric_limits<std::size_t>::max()) {
-      best.state.Restore(surface, mesh, samples);
+      best.state.Restore(surface, parallel, mesh, samples);
       geometry.UpdateAllDensities(stop);
     }
     // Passes keep normals in single precision.
-    for (std::int32_t v = 0; v < samples->count(); ++v) {
+    ForPieces(parallel, samples->count(), [&](std::int32_t v) {
       samples->normal[v] = surface.NormalAt(samples->face[v], samples->weights[v]);
-    }
+    });
     const GeometryPhase::Spread spread = geometry.MeasureCapacities();
     result.energy = spread.energy;
     result.capacity_cv = spread.cv;
