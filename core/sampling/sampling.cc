@@ -228,18 +228,19 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
     if (run.progress != nullptr) run.progress->OnPhase(phase);
   };
   enter(Phase::kPreparing);
+  const Parallel parallel(options.thread_count);
   CCST_ASSIGN_OR_RETURN(RepairedMesh repaired,
-                        Repair(mesh, {.weld_tolerance = options.weld_tolerance}, &stop));
-  SortFaces(&repaired, &stop);
-  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, &stop));
+                        Repair(mesh, {.weld_tolerance = options.weld_tolerance}, &stop, parallel));
+  SortFaces(&repaired, &stop, parallel);
+  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, &stop, parallel));
   const std::int64_t vertex_count = surface.vertex_count();
   const std::int64_t face_count = surface.face_count();
   const double spacing = quality::HexagonalSpacing(surface.area(), options.sample_count);
   if (options.method == SamplingMethod::kCcst &&
       RefineCreases(surface, kLargestAtCrease * spacing, kMostNewFaces * options.sample_count,
                     &repaired)) {
-    SortFaces(&repaired, &stop);
-    CCST_ASSIGN_OR_RETURN(surface, Surface::Build(repaired.mesh, &stop));
+    SortFaces(&repaired, &stop, parallel);
+    CCST_ASSIGN_OR_RETURN(surface, Surface::Build(repaired.mesh, &stop, parallel));
   }
   const SourceMap sources(mesh, repaired);
   repaired.mesh = {};  // From here on there is the surface.
@@ -305,7 +306,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   std::vector<std::int32_t> order;
   if (!stop.Requested()) {
     const std::vector<double> scales = SpacingScales(surface, density, first.samples);
-    Parallel(options.thread_count).For(2, [&, token = stop](std::int64_t task) {
+    parallel.For(2, [&, token = stop](std::int64_t task) {
       Interrupt own = token;
       if (task == 0) {
         order = OrderSamples(surface, first.samples, scales, options, &own);
