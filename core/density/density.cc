@@ -33,6 +33,21 @@ std::array<std::array<Eigen::Vector3d, 3>, 4> Quarter(const std::array<Eigen::Ve
   return {{{a, ab, ca}, {ab, b, bc}, {ab, bc, ca}, {ca, bc, c}}};
 }
 
+/// One of them.
+std::array<Eigen::Vector3d, 3> QuarterAt(const std::array<Eigen::Vector3d, 3>& part, int digit) {
+  const auto& [a, b, c] = part;
+  switch (digit) {
+    case 0:
+      return {a, 0.5 * (a + b), 0.5 * (c + a)};
+    case 1:
+      return {0.5 * (a + b), b, 0.5 * (b + c)};
+    case 2:
+      return {0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)};
+    default:
+      return {0.5 * (c + a), 0.5 * (b + c), c};
+  }
+}
+
 Eigen::Vector3d Center(const std::array<Eigen::Vector3d, 3>& part) {
   return (part[0] + part[1] + part[2]) / 3.0;
 }
@@ -252,13 +267,13 @@ Eigen::Vector3d Density::PointAt(std::int32_t face, double t) const {
   const int depth = uniform() ? 0 : pyramid_.empty() ? kDeepest : depths_[face];
   std::size_t index = 0;
   for (int level = 1; level <= kLevels; ++level) {
-    const auto quarters = Quarter(part);
     int digit;
     if (level > depth) {
       t *= 4.0;
       digit = std::min(3, static_cast<int>(t));
       t -= digit;
     } else {
+      const auto quarters = Quarter(part);
       std::array<double, 4> mean;
       double sum = 0.0;
       for (int k = 0; k < 4; ++k) {
@@ -272,7 +287,7 @@ Eigen::Vector3d Density::PointAt(std::int32_t face, double t) const {
       t = std::min(t / mean[digit], 1.0 - 0x1.0p-53);
       index = 4 * index + digit;
     }
-    part = quarters[digit];
+    part = QuarterAt(part, digit);
   }
   return Center(part);
 }

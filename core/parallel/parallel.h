@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -21,6 +22,14 @@ class Parallel {
 
   /// Calls `piece(i)` once for each i in [0, count) and returns when all have returned.
   void For(std::int64_t count, const std::function<void(std::int64_t)>& piece) const;
+
+  /// Calls `range(first, end)` for ranges that make up [0, count), each of `size` numbers but the
+  /// last: where they are cut does not depend on the number of threads.
+  template <typename Range>
+  void ForRanges(std::int64_t count, std::int64_t size, const Range& range) const {
+    For((count + size - 1) / size,
+        [&](std::int64_t piece) { range(piece * size, std::min(count, (piece + 1) * size)); });
+  }
 
  private:
   struct Arena;

@@ -216,7 +216,7 @@ TriangleMesh Assemble(const TriangleMesh& mesh, const std::vector<std::int32_t>&
 }  // namespace
 
 absl::StatusOr<RepairedMesh> Repair(const TriangleMesh& mesh, const RepairOptions& options,
-                                    Interrupt* interrupt) {
+                                    Interrupt* interrupt, const Parallel& parallel) {
   Interrupt never;
   if (interrupt == nullptr) interrupt = &never;
   CCST_RETURN_IF_ERROR(CheckInput(mesh, options));
@@ -231,7 +231,7 @@ absl::StatusOr<RepairedMesh> Repair(const TriangleMesh& mesh, const RepairOption
 
   const Geometry geometry(mesh.positions, unit);
   RepairedMesh result;
-  if (options.weld_tolerance == 0.0 && repair::IsSound(mesh, used, geometry, interrupt)) {
+  if (options.weld_tolerance == 0.0 && repair::IsSound(mesh, used, geometry, parallel, interrupt)) {
     result.mesh.positions = mesh.positions;
     result.mesh.faces = mesh.faces;
     result.source_face.resize(mesh.faces.size());

@@ -7,6 +7,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/interrupt.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/parallel/parallel.h"
 
 namespace ccst {
 
@@ -66,12 +67,14 @@ struct RepairedMesh {
 /// its used vertices in the same order. Equal input gives equal bits.
 ///
 /// @param interrupt  polled between the steps; may be null.
+/// @param parallel  finds out on several threads whether there is anything to do.
 /// Cost O((V + F) log F), about 250 bytes per face; a third of both where there is nothing to do.
 /// @errors INVALID_ARGUMENT  OPTION_INVALID the tolerance is negative or not a number |
 ///         MESH_DEGENERATE a coordinate is not finite, an index out of range, the extent over
 ///         1e300 (names the first) | MESH_EMPTY no face, or none of positive area |
 ///         LIMIT_EXCEEDED over 7e8 faces or 2e9 vertices; CANCELLED when `interrupt` was requested
 absl::StatusOr<RepairedMesh> Repair(const TriangleMesh& mesh, const RepairOptions& options = {},
-                                    Interrupt* interrupt = nullptr);
+                                    Interrupt* interrupt = nullptr,
+                                    const Parallel& parallel = Parallel());
 
 }  // namespace ccst

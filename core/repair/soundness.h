@@ -5,6 +5,7 @@
 
 #include "core/base/interrupt.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/parallel/parallel.h"
 #include "core/repair/geometry.h"
 
 namespace ccst::repair {
@@ -17,6 +18,6 @@ namespace ccst::repair {
 /// @return false, too, when `interrupt` is requested.
 /// Cost O((V + F) log F), about 70 bytes a face.
 bool IsSound(const TriangleMesh& mesh, const std::vector<std::uint8_t>& used,
-             const Geometry& geometry, Interrupt* interrupt);
+             const Geometry& geometry, const Parallel& parallel, Interrupt* interrupt);
 
 }  // namespace ccst::repair

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -117,9 +118,11 @@ class LeaderGrid {
 
 }  // namespace
 
-bool AllDiffer(const std::vector<Eigen::Vector3d>& positions, Interrupt* interrupt) {
+bool AllDiffer(const std::vector<Eigen::Vector3d>& positions, const Parallel& parallel,
+               Interrupt* interrupt) {
   // Sorted piece by piece, in pieces that fit the cache.
   constexpr int kPieceBits = 10;
+  constexpr std::int64_t kPieces = 64;
   const int shift =
       64 - std::clamp(static_cast<int>(std::bit_width(positions.size())) - kPieceBits, 1, 20);
   std::vector<std::uint32_t> start((std::size_t{1} << (64 - shift)) + 1, 0);
@@ -132,14 +135,19 @@ bool AllDiffer(const std::vector<Eigen::Vector3d>& positions, Interrupt* interru
   std::vector<std::uint64_t> sorted(hashes.size());
   std::vector<std::uint32_t> fill(start.begin(), start.end() - 1);
   for (const std::uint64_t hash : hashes) sorted[fill[hash >> shift]++] = hash;
-  for (std::size_t piece = 0; piece + 1 < start.size(); ++piece) {
-    if (interrupt->Requested()) return false;
-    const auto begin = sorted.begin() + start[piece];
-    const auto end = sorted.begin() + start[piece + 1];
-    std::sort(begin, end);
-    if (std::adjacent_find(begin, end) != end) return false;
-  }
-  return true;
+  std::atomic<bool> differ = true;
+  const auto count = static_cast<std::int64_t>(start.size()) - 1;
+  parallel.ForRanges(count, kPieces, [&, stop = *interrupt](std::int64_t first, std::int64_t last) {
+    if (!differ || Interrupt(stop).Requested()) return;
+    for (auto piece = static_cast<std::size_t>(first); piece < static_cast<std::size_t>(last);
+         ++piece) {
+      const auto begin = sorted.begin() + start[piece];
+      const auto end = sorted.begin() + start[piece + 1];
+      std::sort(begin, end);
+      if (std::adjacent_find(begin, end) != end) differ = false;
+    }
+  });
+  return differ && !interrupt->Requested();
 }
 
 std::vector<std::int32_t> WeldLeaders(const std::vector<Eigen::Vector3d>& positions,

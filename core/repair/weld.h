@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "core/base/interrupt.h"
+#include "core/parallel/parallel.h"
 
 namespace ccst::repair {
 
@@ -21,6 +22,7 @@ std::vector<std::int32_t> WeldLeaders(const std::vector<Eigen::Vector3d>& positi
 /// Whether no two positions are equal; may be wrong, once in 10^19 pairs, by saying that two are.
 /// Positions must be finite. When `interrupt` is requested the answer means nothing.
 /// Cost O(V log V), a few times less than WeldLeaders().
-bool AllDiffer(const std::vector<Eigen::Vector3d>& positions, Interrupt* interrupt);
+bool AllDiffer(const std::vector<Eigen::Vector3d>& positions, const Parallel& parallel,
+               Interrupt* interrupt);
 
 }  // namespace ccst::repair

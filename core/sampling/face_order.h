@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/interrupt.h"
+#include "core/parallel/parallel.h"
 #include "core/repair/repair.h"
 
 namespace ccst {
@@ -9,6 +10,6 @@ namespace ccst {
 /// use them first, so that what is near on the surface is near in memory. Of a mesh with one set of
 /// positions it depends on the order of faces and vertices in the input only where centroids share
 /// a cell of the curve. Does nothing when `interrupt` was requested. Cost O(F log F).
-void SortFaces(RepairedMesh* repaired, Interrupt* interrupt);
+void SortFaces(RepairedMesh* repaired, Interrupt* interrupt, const Parallel& parallel = Parallel());
 
 }  // namespace ccst

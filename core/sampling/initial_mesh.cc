@@ -1,7 +1,8 @@
 #include "core/sampling/initial_mesh.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <cstddef>
 #include <numeric>
 #include <utility>
 
@@ -11,10 +12,22 @@
 #include "core/base/interrupt.h"
 #include "core/base/status.h"
 #include "core/sampling/edge_flips.h"
+#include "core/sampling/face_triangulation.h"
+#include "core/sampling/thinning.h"
 #include "core/sampling/vertex_removal.h"
 
 namespace ccst {
 namespace {
+
+/// Faces with samples that one thread triangulates in one go.
+constexpr std::int64_t kPiece = 256;
+/// Vertices of the surface in a block that is thinned by itself: as many blocks as keep several
+/// threads busy, but none so small that most of its vertices lie at its border. Of the number of
+/// vertices alone, for the order of removals follows from it.
+constexpr std::int32_t kBlocks = 64;
+constexpr std::int32_t kLeastBlock = 2048;
+/// What was at a border is done in blocks this many times as large, and at last in one.
+constexpr std::int32_t kGrowth = 8;
 
 /// The surface's faces with the samples inserted. Vertices: samples, then the surface's own, then
 /// one per closed loop.
@@ -36,17 +49,27 @@ class Insertion {
   }
 
   /// @return false when stopped.
-  bool Run(Interrupt* interrupt) {
+  bool Run(const Parallel& parallel, Interrupt* interrupt) {
     AdoptCorners();
     if (interrupt->Requested()) return false;
     SetTriangles();
+    if (interrupt->Requested()) return false;
     InsertBoundarySamples();
-    for (std::int32_t i = 0; i < samples_.count(); ++i) {
-      if (samples_.kind[i] != SampleMesh::Kind::kInterior) continue;
-      if (interrupt->RequestedAt(i)) return false;
-      InsertInterior(i);
+    InsertInteriorSamples(parallel, interrupt);
+    return !interrupt->Requested();
+  }
+
+  /// Per vertex the block it lies in, each with `size` vertices of the surface that follow each
+  /// other in memory, so in space, and the samples there.
+  std::vector<std::int32_t> Blocks(std::int32_t size) const {
+    std::vector<std::int32_t> blocks;
+    blocks.reserve(positions.size());
+    for (const std::int32_t face : samples_.face) {
+      blocks.push_back(surface_.faces()[face][0] / size);
     }
-    return true;
+    for (std::int32_t v = 0; v < surface_.vertex_count(); ++v) blocks.push_back(v / size);
+    blocks.resize(positions.size(), 0);
+    return blocks;
   }
 
   SampleMesh mesh;
@@ -55,6 +78,31 @@ class Insertion {
   std::vector<std::int32_t> components;  // Per vertex, of the surface.
 
  private:
+  /// A face with samples in it.
+  struct Host {
+    std::int32_t face = -1;
+    std::size_t first = 0;  // Of its samples, in interior_.
+    std::size_t end = 0;
+  };
+
+  /// An edge of a host's outline.
+  struct OutlineEdge {
+    std::int32_t before = -1;  // Its half-edge before samples were inserted.
+    std::int32_t across = -1;  // And the one across from that.
+    std::int32_t face = -1;
+  };
+
+  /// What one thread needs for one face after the other.
+  struct Scratch {
+    FaceTriangulation triangulation;
+    std::vector<std::int32_t> triangles;  // Of the face, in the work mesh.
+    std::vector<std::int32_t> vertices;
+    std::vector<Eigen::Vector3d> place;
+    std::vector<Eigen::Vector3i> corners;
+    std::vector<OutlineEdge> outline;  // By the vertex at which the edge starts.
+    std::vector<std::uint8_t> is_locked;
+  };
+
   /// A boundary sample that lies on a vertex of the surface takes its place.
   void AdoptCorners() {
     adopted_.assign(samples_.count(), 0);
@@ -70,48 +118,68 @@ class Insertion {
     }
   }
 
+  /// The faces, but of components that get points, and the fans of closed loops.
   void SetTriangles() {
-    std::vector<Eigen::Vector3i> triangles(surface_.face_count());
+    mesh.twin = surface_.twins();
+    mesh.origin.resize(mesh.twin.size());
     for (std::int32_t f = 0; f < surface_.face_count(); ++f) {
-      if (plan_.components[surface_.face_components()[f]].points) {
-        triangles[f].setConstant(-1);
-        continue;
+      const bool dead = plan_.components[surface_.face_components()[f]].points;
+      for (int k = 0; k < 3; ++k) {
+        mesh.origin[3 * f + k] = dead ? -1 : vertex_of_[surface_.faces()[f][k]];
+        if (dead) mesh.twin[3 * f + k] = -1;
       }
-      for (int k = 0; k < 3; ++k) triangles[f][k] = vertex_of_[surface_.faces()[f][k]];
     }
-    triangle_face_.resize(surface_.face_count());
-    std::iota(triangle_face_.begin(), triangle_face_.end(), 0);
-    for (std::size_t l = 0; l < plan_.loops.size(); ++l) {
-      if (!plan_.loops[l].closed) continue;
-      const auto center = static_cast<std::int32_t>(positions.size());
-      Eigen::Vector3d position = Eigen::Vector3d::Zero();
-      Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-      const std::vector<std::int32_t>& chain = plan_.loops[l].half_edges;
-      for (const std::int32_t h : chain) {
-        position += surface_.positions()[surface_.Origin(h)];
-        normal += surface_.normals()[surface_.Origin(h)];
-        triangles.push_back(
-            {vertex_of_[surface_.Target(h)], vertex_of_[surface_.Origin(h)], center});
-        triangle_face_.push_back(-1);
-      }
-      positions.push_back(position / static_cast<double>(chain.size()));
-      normals.push_back(normal.normalized());
-      components.push_back(plan_.loops[l].component);
+    std::size_t centers = 0;
+    for (const LoopPlan& loop : plan_.loops) centers += loop.closed ? 1 : 0;
+    mesh.outgoing.assign(positions.size() + centers, -1);
+    for (std::int32_t v = 0; v < surface_.vertex_count(); ++v) {
+      const std::int32_t h = surface_.outgoing()[v];
+      if (mesh.origin[h] >= 0) mesh.outgoing[vertex_of_[v]] = h;
     }
-    mesh.SetTriangles(static_cast<std::int32_t>(positions.size()), triangles);
-    last_of_face_.assign(surface_.face_count(), -1);
+    for (const LoopPlan& loop : plan_.loops) {
+      if (loop.closed) CloseLoop(loop);
+    }
     for (const LoopPlan& loop : plan_.loops) {
       if (!loop.crease || plan_.components[loop.component].points) continue;
       for (const std::int32_t h : loop.half_edges) mesh.Lock(h);
     }
   }
 
+  void CloseLoop(const LoopPlan& loop) {
+    const auto center = static_cast<std::int32_t>(positions.size());
+    const auto first = static_cast<std::int32_t>(mesh.origin.size());
+    const auto end = first + 3 * static_cast<std::int32_t>(loop.half_edges.size());
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    for (const std::int32_t h : loop.half_edges) {
+      position += surface_.positions()[surface_.Origin(h)];
+      normal += surface_.normals()[surface_.Origin(h)];
+      // The fan goes on where the next edge of the loop starts.
+      const auto side = static_cast<std::int32_t>(mesh.origin.size());
+      mesh.origin.insert(mesh.origin.end(),
+                         {vertex_of_[surface_.Target(h)], vertex_of_[surface_.Origin(h)], center});
+      mesh.twin.insert(mesh.twin.end(), {h, side == first ? end - 1 : side - 1,
+                                         side + 3 == end ? first + 1 : side + 4});
+      mesh.twin[h] = side;
+    }
+    mesh.outgoing[center] = first + 2;
+    positions.push_back(position / static_cast<double>(loop.half_edges.size()));
+    normals.push_back(normal.normalized());
+    components.push_back(loop.component);
+  }
+
+  /// The face of the surface in which triangle `t` lies.
+  std::int32_t FaceOf(std::int32_t t) const {
+    return t < first_cut_ ? t : cut_[static_cast<std::size_t>(t - first_cut_)];
+  }
+
   std::int32_t NewTriangle(std::int32_t face) {
-    triangle_face_.push_back(face);
+    cut_.push_back(face);
     return mesh.NewTriangle();
   }
 
   void InsertBoundarySamples() {
+    first_cut_ = mesh.triangle_count();
     // Samples of one loop come in the order of their arcs; the half-edge that remains ahead of
     // the last one inserted on an edge takes the next one.
     std::int32_t last_half_edge = -1;
@@ -126,8 +194,8 @@ class Insertion {
         ahead = FindEdgeBetween(vertex_of_[surface_.Origin(h)], vertex_of_[surface_.Target(h)]);
       }
       if (loop.crease) {
-        const std::int32_t slot1 = NewTriangle(triangle_face_[ahead / 3]);
-        const std::int32_t slot2 = NewTriangle(triangle_face_[mesh.twin[ahead] / 3]);
+        const std::int32_t slot1 = NewTriangle(FaceOf(ahead / 3));
+        const std::int32_t slot2 = NewTriangle(FaceOf(mesh.twin[ahead] / 3));
         mesh.InsertIntoEdge(i, ahead, slot1, slot2);
         ahead = 3 * slot1;
       } else {
@@ -149,93 +217,156 @@ class Insertion {
     return found;
   }
 
-  double Side(std::int32_t h, const Eigen::Vector3d& p, const Eigen::Vector3d& up) const {
-    const Eigen::Vector3d& a = positions[mesh.origin[h]];
-    return (positions[mesh.Target(h)] - a).cross(p - a).dot(up);
-  }
-
-  /// The triangle of face `face` that holds `p`: a walk, or every triangle when it runs in circles.
-  std::int32_t Locate(std::int32_t face, const Eigen::Vector3d& p, const Eigen::Vector3d& up) {
-    std::int32_t t = last_of_face_[face] >= 0 ? last_of_face_[face] : face;
-    for (int step = 0; step < 10000; ++step) {
-      double worst = 0.0;
-      std::int32_t cross = -1;
-      for (std::int32_t h = 3 * t; h < 3 * t + 3; ++h) {
-        const double side = Side(h, p, up);
-        const std::int32_t twin = mesh.twin[h];
-        if (side < worst && twin >= 0 && triangle_face_[twin / 3] == face) {
-          worst = side;
-          cross = twin / 3;
-        }
+  /// Triangulates the faces with samples side by side, each by itself, then joins their outlines.
+  void InsertInteriorSamples(const Parallel& parallel, Interrupt* interrupt) {
+    std::vector<Host> hosts = FindHosts();
+    std::vector<std::vector<std::int32_t>> cut = TrianglesOfCutFaces(hosts);
+    first_slot_ = mesh.triangle_count();
+    mesh.origin.resize(mesh.origin.size() + 6 * interior_.size(), -1);
+    mesh.twin.resize(mesh.origin.size(), -1);
+    if (!mesh.locked.empty()) mesh.locked.resize(mesh.origin.size(), 0);
+    moved_.assign(3 * static_cast<std::size_t>(first_slot_), -1);
+    const auto count = static_cast<std::int64_t>(hosts.size());
+    std::vector<std::vector<OutlineEdge>> outlines((count + kPiece - 1) / kPiece);
+    parallel.ForRanges(count, kPiece, [&, stop = *interrupt](std::int64_t first, std::int64_t end) {
+      Scratch scratch;
+      Interrupt own = stop;
+      std::vector<OutlineEdge>* outline = &outlines[static_cast<std::size_t>(first / kPiece)];
+      for (std::int64_t k = first; k < end && !own.RequestedAt(k); ++k) {
+        const auto host = static_cast<std::size_t>(k);
+        Triangulate(hosts[host], cut[host], &scratch, outline);
       }
-      if (cross < 0) break;
-      t = cross;
-    }
-    return t;
+    });
+    if (interrupt->Requested()) return;
+    for (const std::vector<OutlineEdge>& outline : outlines) JoinOutline(outline);
   }
 
-  void InsertInterior(std::int32_t i) {
-    const std::int32_t face = samples_.face[i];
-    const Eigen::Vector3i& corner = surface_.faces()[face];
-    const Eigen::Vector3d up =
-        (surface_.positions()[corner[1]] - surface_.positions()[corner[0]])
-            .cross(surface_.positions()[corner[2]] - surface_.positions()[corner[0]]);
-    const std::int32_t t = Locate(face, positions[i], up);
-    const std::int32_t slot1 = NewTriangle(face);
-    const std::int32_t slot2 = NewTriangle(face);
-    mesh.InsertIntoTriangle(i, t, slot1, slot2);
-    last_of_face_[face] = t;
-    // Keep the face's own triangulation Delaunay so that the walks stay short.
-    for (const std::int32_t e : {3 * t, 3 * slot1, 3 * slot2}) stack_.push_back(e);
-    while (!stack_.empty()) {
-      const std::int32_t h = stack_.back();
-      stack_.pop_back();
-      const std::int32_t g = mesh.twin[h];
-      if (g < 0 || triangle_face_[g / 3] != face || !InCircle(h, up) || !mesh.CanFlip(h)) continue;
-      mesh.Flip(h);
-      // The two edges away from sample i may now violate the criterion.
-      for (const std::int32_t e : {h, g}) {
-        for (const std::int32_t side : {SampleMesh::Next(e), SampleMesh::Previous(e)}) {
-          if (mesh.Apex(side) == i) stack_.push_back(side);
-        }
+  /// Faces with samples, which interior_ lists face by face.
+  std::vector<Host> FindHosts() {
+    for (std::int32_t i = 0; i < samples_.count(); ++i) {
+      if (samples_.kind[i] == SampleMesh::Kind::kInterior) interior_.push_back(i);
+    }
+    const auto by_face = [&](std::int32_t i, std::int32_t j) {
+      return samples_.face[i] < samples_.face[j];
+    };
+    if (!std::is_sorted(interior_.begin(), interior_.end(), by_face)) {
+      std::stable_sort(interior_.begin(), interior_.end(), by_face);
+    }
+    std::vector<Host> hosts;
+    for (std::size_t k = 0; k < interior_.size(); ++k) {
+      const std::int32_t face = samples_.face[interior_[k]];
+      if (hosts.empty() || hosts.back().face != face) hosts.push_back({face, k, k});
+      hosts.back().end = k + 1;
+    }
+    return hosts;
+  }
+
+  /// Per host its triangles where there is more than one.
+  std::vector<std::vector<std::int32_t>> TrianglesOfCutFaces(const std::vector<Host>& hosts) const {
+    std::vector<std::vector<std::int32_t>> triangles(hosts.size());
+    for (std::size_t k = 0; k < cut_.size(); ++k) {
+      const auto host = std::lower_bound(
+          hosts.begin(), hosts.end(), cut_[k],
+          [](const Host& candidate, std::int32_t face) { return candidate.face < face; });
+      if (host == hosts.end() || host->face != cut_[k]) continue;
+      std::vector<std::int32_t>& own = triangles[host - hosts.begin()];
+      if (own.empty()) own.push_back(host->face);
+      own.push_back(first_cut_ + static_cast<std::int32_t>(k));
+    }
+    return triangles;
+  }
+
+  /// Writes the triangles of one face but for what lies across its outline.
+  void Triangulate(const Host& host, const std::vector<std::int32_t>& cut, Scratch* scratch,
+                   std::vector<OutlineEdge>* outline) {
+    std::vector<std::int32_t>& triangles = scratch->triangles;
+    std::vector<std::int32_t>& vertices = scratch->vertices;
+    triangles.assign(1, host.face);
+    if (!cut.empty()) triangles = cut;
+    vertices.clear();
+    scratch->place.clear();
+    scratch->corners.resize(triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        const std::int32_t v = mesh.origin[3 * triangles[t] + k];
+        const auto known = std::find(vertices.begin(), vertices.end(), v);
+        scratch->corners[t][k] = static_cast<std::int32_t>(known - vertices.begin());
+        if (known != vertices.end()) continue;
+        vertices.push_back(v);
+        scratch->place.push_back(positions[v]);
       }
     }
+    FaceTriangulation& triangulation = scratch->triangulation;
+    if (cut.empty()) {
+      triangulation.Start(scratch->place);
+    } else {
+      triangulation.Start(scratch->place, scratch->corners);
+    }
+    const SampleMesh& own = triangulation.mesh();
+    scratch->outline.resize(vertices.size());
+    scratch->is_locked.resize(vertices.size());
+    for (std::size_t h = 0; h < own.twin.size(); ++h) {
+      if (own.twin[h] >= 0) continue;
+      const std::int32_t before = 3 * triangles[h / 3] + static_cast<std::int32_t>(h % 3);
+      scratch->outline[own.origin[h]] = {before, mesh.twin[before], host.face};
+      scratch->is_locked[own.origin[h]] = mesh.IsLocked(before) ? 1 : 0;
+    }
+    for (std::size_t k = host.first; k < host.end; ++k) {
+      vertices.push_back(interior_[k]);
+      triangulation.Insert(positions[interior_[k]]);
+    }
+    for (std::size_t k = 2 * host.first; k < 2 * host.end; ++k) {
+      triangles.push_back(first_slot_ + static_cast<std::int32_t>(k));
+    }
+    const auto whole = [&](std::int32_t h) { return 3 * triangles[h / 3] + h % 3; };
+    for (std::int32_t h = 0; h < static_cast<std::int32_t>(own.origin.size()); ++h) {
+      const std::int32_t e = whole(h);
+      const std::int32_t from = own.origin[h];
+      mesh.origin[e] = vertices[from];
+      const bool outer = own.twin[h] < 0;
+      if (!mesh.locked.empty()) mesh.locked[e] = outer ? scratch->is_locked[from] : 0;
+      if (outer) {
+        moved_[scratch->outline[from].before] = e;
+        outline->push_back(scratch->outline[from]);
+      } else {
+        mesh.twin[e] = whole(own.twin[h]);
+      }
+    }
+    const std::size_t outer = vertices.size() - (host.end - host.first);
+    for (std::size_t v = outer; v < vertices.size(); ++v) {
+      mesh.outgoing[vertices[v]] = whole(own.outgoing[v]);
+    }
   }
 
-  /// True when the edge `h` of two coplanar triangles is not Delaunay and the flip is a proper one.
-  bool InCircle(std::int32_t h, const Eigen::Vector3d& up) const {
-    const std::int32_t g = mesh.twin[h];
-    const Eigen::Vector3d& a = positions[mesh.origin[h]];
-    const Eigen::Vector3d& b = positions[mesh.origin[g]];
-    const Eigen::Vector3d& c = positions[mesh.Apex(h)];
-    const Eigen::Vector3d& d = positions[mesh.Apex(g)];
-    const double cos_c = (a - c).dot(b - c);
-    const double cos_d = (a - d).dot(b - d);
-    if (cos_c >= 0.0 && cos_d >= 0.0) return false;
-    const double sin_c = (a - c).cross(b - c).dot(up);
-    const double sin_d = (b - d).cross(a - d).dot(up);
-    const double up_norm = up.norm();
-    const double margin =
-        1e-10 * up_norm * (std::abs(cos_c) + sin_c / up_norm) * (std::abs(cos_d) + sin_d / up_norm);
-    if (!(sin_c * cos_d + cos_c * sin_d < -margin)) return false;
-    return (c - d).cross(a - d).dot(up) > 0.0 && (d - c).cross(b - c).dot(up) > 0.0;
+  void JoinOutline(const std::vector<OutlineEdge>& outline) {
+    for (const OutlineEdge& edge : outline) {
+      const std::int32_t h = moved_[edge.before];
+      const bool is_moved = edge.across >= 0 && moved_[edge.across] >= 0;
+      const std::int32_t g = is_moved ? moved_[edge.across] : edge.across;
+      mesh.twin[h] = g;
+      if (g >= 0) mesh.twin[g] = h;
+      // Of the half-edges in this face the vertex may have left through any.
+      std::int32_t& leave = mesh.outgoing[mesh.origin[h]];
+      if (leave < 3 * first_slot_ && FaceOf(leave / 3) == edge.face) leave = h;
+    }
   }
 
   const Surface& surface_;
   const Plan& plan_;
   const Samples& samples_;
-  std::vector<std::int32_t> vertex_of_;      // Surface vertex -> work vertex.
-  std::vector<std::uint8_t> adopted_;        // Per sample: stands for a surface vertex.
-  std::vector<std::int32_t> triangle_face_;  // Work triangle -> face of the surface, -1 in a fan.
-  std::vector<std::int32_t> last_of_face_;
-  std::vector<std::int32_t> stack_;
+  std::vector<std::int32_t> vertex_of_;  // Surface vertex -> work vertex.
+  std::vector<std::uint8_t> adopted_;    // Per sample: stands for a surface vertex.
+  std::vector<std::int32_t> cut_;        // Faces of the triangles that boundary samples cut off.
+  std::int32_t first_cut_ = 0;           // The first of these triangles.
+  std::int32_t first_slot_ = 0;          // The first triangle for interior samples.
+  std::vector<std::int32_t> interior_;   // Samples inside faces, by face.
+  std::vector<std::int32_t> moved_;      // Half-edge before -> now, on outlines of hosts; else -1.
 };
 
-/// Live triangles over the samples for whose vertices `wanted` holds, ordered by their smallest
-/// one.
+/// The live triangles over the samples for whose vertices `wanted` holds, ordered by their smallest
+/// vertex, as a mesh of `vertex_count` vertices.
 template <typename Wanted>
-std::vector<Eigen::Vector3i> LiveTriangles(const SampleMesh& mesh, std::int32_t vertex_count,
-                                           const Wanted& wanted) {
+SampleMesh Compact(const SampleMesh& mesh, std::int32_t vertex_count, const Wanted& wanted) {
   const auto is_live = [&](std::int32_t t) {
     return !mesh.IsDead(t) && wanted(mesh.origin[3 * t]);
   };
@@ -249,15 +380,31 @@ std::vector<Eigen::Vector3i> LiveTriangles(const SampleMesh& mesh, std::int32_t 
     if (is_live(t)) ++start[mesh.origin[3 * t + first_corner(t)] + 1];
   }
   for (std::int32_t v = 0; v < vertex_count; ++v) start[v + 1] += start[v];
-  std::vector<Eigen::Vector3i> triangles(start[vertex_count]);
+  std::vector<std::int32_t> sources(3 * static_cast<std::size_t>(start[vertex_count]));
+  std::vector<std::int32_t> number(mesh.origin.size(), -1);  // Half-edge before -> now.
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     if (!is_live(t)) continue;
     const int first = first_corner(t);
-    const std::int32_t v = mesh.origin[3 * t + first];
-    triangles[start[v]++] = {v, mesh.origin[3 * t + (first + 1) % 3],
-                             mesh.origin[3 * t + (first + 2) % 3]};
+    const std::int32_t place = start[mesh.origin[3 * t + first]]++;
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t h = 3 * t + (first + k) % 3;
+      sources[3 * place + k] = h;
+      number[h] = 3 * place + k;
+    }
   }
-  return triangles;
+  SampleMesh result;
+  result.origin.reserve(sources.size());
+  result.twin.reserve(sources.size());
+  for (const std::int32_t h : sources) {
+    result.origin.push_back(mesh.origin[h]);
+    result.twin.push_back(mesh.twin[h] < 0 ? -1 : number[mesh.twin[h]]);
+    if (!mesh.locked.empty()) result.locked.push_back(mesh.locked[h]);
+  }
+  result.outgoing.reserve(vertex_count);
+  for (std::int32_t v = 0; v < vertex_count; ++v) {
+    result.outgoing.push_back(mesh.outgoing[v] < 0 ? -1 : number[mesh.outgoing[v]]);
+  }
+  return result;
 }
 
 absl::Status Stopped() {
@@ -268,9 +415,20 @@ absl::Status Stopped() {
 
 absl::StatusOr<SampleMesh> BuildInitialMesh(const Surface& surface, const Plan& plan,
                                             const Samples& samples, Interrupt* interrupt,
-                                            std::vector<std::int32_t>* failed) {
+                                            std::vector<std::int32_t>* failed,
+                                            const Parallel& parallel) {
   Insertion insertion(surface, plan, samples);
-  if (!insertion.Run(interrupt)) return Stopped();
+  if (!insertion.Run(parallel, interrupt)) return Stopped();
+  const auto thin = [&](std::int32_t size) {
+    ThinBlocks(samples.count(), insertion.Blocks(size), insertion.positions, insertion.normals,
+               parallel, interrupt, &insertion.mesh);
+  };
+  const std::int32_t count = surface.vertex_count();
+  for (std::int32_t size = std::max(kLeastBlock, count / kBlocks); size < count;) {
+    thin(size);
+    size = size < count / kGrowth ? kGrowth * size : count;
+  }
+  thin(count);
   CCST_ASSIGN_OR_RETURN(const std::vector<std::int32_t> left,
                         RemoveVertices(samples.count(), insertion.positions, insertion.normals,
                                        interrupt, &insertion.mesh));
@@ -285,16 +443,8 @@ absl::StatusOr<SampleMesh> BuildInitialMesh(const Surface& surface, const Plan& 
     if (std::exchange(wanted[c], 0)) failed->push_back(c);
   }
   if (interrupt->Requested()) return Stopped();
-  SampleMesh mesh;
-  mesh.SetTriangles(samples.count(),
-                    LiveTriangles(insertion.mesh, samples.count(), [&](std::int32_t v) {
-                      return wanted[insertion.components[v]] != 0;
-                    }));
-  for (std::int32_t h = 0; h < static_cast<std::int32_t>(insertion.mesh.locked.size()); ++h) {
-    const std::int32_t from = insertion.mesh.origin[h];
-    if (!insertion.mesh.locked[h] || from < 0 || !wanted[insertion.components[from]]) continue;
-    mesh.Lock(mesh.FindEdge(from, insertion.mesh.Target(h)));
-  }
+  SampleMesh mesh = Compact(insertion.mesh, samples.count(),
+                            [&](std::int32_t v) { return wanted[insertion.components[v]] != 0; });
   EdgeFlips(&mesh, &samples.position, &samples.normal).FlipAll(interrupt);
   if (interrupt->Requested()) return Stopped();
   return mesh;

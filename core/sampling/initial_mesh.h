@@ -5,6 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/interrupt.h"
+#include "core/parallel/parallel.h"
 #include "core/sampling/plan.h"
 #include "core/sampling/sample_mesh.h"
 #include "core/sampling/samples.h"
@@ -25,6 +26,7 @@ namespace ccst {
 /// (section 3.2), which needs a dense sample.
 absl::StatusOr<SampleMesh> BuildInitialMesh(const Surface& surface, const Plan& plan,
                                             const Samples& samples, Interrupt* interrupt,
-                                            std::vector<std::int32_t>* failed = nullptr);
+                                            std::vector<std::int32_t>* failed = nullptr,
+                                            const Parallel& parallel = Parallel());
 
 }  // namespace ccst

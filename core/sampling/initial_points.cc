@@ -4,32 +4,23 @@
 #include <numeric>
 
 #include "core/random/random.h"
-#include "core/spatial/spatial_order.h"
 
 namespace ccst {
 namespace {
 
 constexpr std::uint64_t kPointStream = 0x706f696e74;  // "point"
 
-/// Faces ordered by component, then along the Hilbert curve through their centroids. Unfinished
-/// when `interrupt` was requested.
-std::vector<std::int32_t> OrderFaces(const Surface& surface, Interrupt* interrupt) {
-  std::vector<Eigen::Vector3d> centers;
-  centers.reserve(surface.face_count());
-  for (std::int32_t f = 0; f < surface.face_count(); ++f) {
-    if (interrupt->RequestedAt(f)) return {};
-    const Eigen::Vector3i& face = surface.faces()[f];
-    centers.emplace_back((surface.positions()[face[0]] + surface.positions()[face[1]] +
-                          surface.positions()[face[2]]) /
-                         3.0);
-  }
-  const std::vector<std::int32_t> along = HilbertOrder(centers, interrupt);
+/// Samples that one thread places in one go.
+constexpr std::int64_t kPiece = 1024;
+
+/// Faces by component, in their order.
+std::vector<std::int32_t> OrderFaces(const Surface& surface) {
   const std::vector<std::int32_t>& component = surface.face_components();
   std::vector<std::size_t> next(surface.component_areas().size() + 1, 0);
-  for (const std::int32_t f : along) ++next[component[f] + 1];
+  for (const std::int32_t c : component) ++next[c + 1];
   std::partial_sum(next.begin(), next.end(), next.begin());
-  std::vector<std::int32_t> order(along.size());
-  for (const std::int32_t f : along) order[next[component[f]]++] = f;
+  std::vector<std::int32_t> order(component.size());
+  for (std::int32_t f = 0; f < surface.face_count(); ++f) order[next[component[f]]++] = f;
   return order;
 }
 
@@ -37,7 +28,7 @@ std::vector<std::int32_t> OrderFaces(const Surface& surface, Interrupt* interrup
 
 absl::StatusOr<Samples> DrawInitialPoints(const Surface& surface, const Density& density,
                                           const Plan& plan, std::uint64_t seed,
-                                          Interrupt* interrupt) {
+                                          Interrupt* interrupt, const Parallel& parallel) {
   const auto stopped = [] {
     return absl::CancelledError("stopped while the first samples were drawn");
   };
@@ -47,8 +38,8 @@ absl::StatusOr<Samples> DrawInitialPoints(const Surface& surface, const Density&
   samples.Resize(static_cast<std::int32_t>(count));
 
   const CounterRandom random(seed, kPointStream);
-  const std::vector<std::int32_t> order = OrderFaces(surface, interrupt);
-  if (interrupt->Requested()) return stopped();
+  const std::vector<std::int32_t> order = OrderFaces(surface);
+  std::vector<double> shares(samples.position.size(), 0.0);  // Of the host's capacity, before it.
   const std::vector<double>& capacities = density.face_capacities();
   std::size_t at = 0;
   std::int32_t i = 0;
@@ -71,14 +62,8 @@ absl::StatusOr<Samples> DrawInitialPoints(const Surface& surface, const Density&
       }
       const std::int32_t face = order[at];
       const double share = capacities[face] > 0.0 ? (wanted - passed) / capacities[face] : 0.5;
-      SurfacePoint point;
-      point.face = face;
-      point.weights = density.PointAt(face, std::clamp(share, 0.0, 1.0 - 0x1.0p-53));
-      for (int corner = 0; corner < 3; ++corner) {
-        point.position +=
-            point.weights[corner] * surface.positions()[surface.faces()[face][corner]];
-      }
-      samples.Place(i, surface, point);
+      shares[i] = std::clamp(share, 0.0, 1.0 - 0x1.0p-53);
+      samples.face[i] = face;
       if (component.points) samples.kind[i] = SampleMesh::Kind::kPoint;
       samples.component[i] = static_cast<std::int32_t>(c);
     }
@@ -98,6 +83,22 @@ absl::StatusOr<Samples> DrawInitialPoints(const Surface& surface, const Density&
       }
     }
   }
+  parallel.ForRanges(
+      samples.count(), kPiece, [&, stop = *interrupt](std::int64_t first, std::int64_t end) {
+        if (Interrupt(stop).Requested()) return;
+        for (auto k = static_cast<std::int32_t>(first); k < static_cast<std::int32_t>(end); ++k) {
+          if (samples.loop[k] >= 0) continue;
+          SurfacePoint point;
+          point.face = samples.face[k];
+          point.weights = density.PointAt(point.face, shares[k]);
+          for (int corner = 0; corner < 3; ++corner) {
+            point.position +=
+                point.weights[corner] * surface.positions()[surface.faces()[point.face][corner]];
+          }
+          samples.Place(k, surface, point);
+        }
+      });
+  if (interrupt->Requested()) return stopped();
   return samples;
 }
 

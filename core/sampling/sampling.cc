@@ -1,5 +1,3 @@
-#include "core/sampling/sampling.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -28,6 +26,7 @@
 #include "core/sampling/plan.h"
 #include "core/sampling/progressive_order.h"
 #include "core/sampling/relaxation.h"
+#include "core/sampling/sampling.h"
 #include "core/sampling/source_map.h"
 #include "core/surface/surface.h"
 
@@ -79,42 +78,44 @@ struct Start {
 /// @param smallest  set to the next count worth trying when this one is too small.
 absl::StatusOr<Start> TryStart(const Surface& surface, const Density& density,
                                const std::vector<Crease>& creases, std::int64_t count,
-                               std::uint64_t seed, Interrupt* interrupt, std::int64_t* smallest) {
+                               std::uint64_t seed, const Parallel& parallel, Interrupt* interrupt,
+                               std::int64_t* smallest) {
   Start start;
   *smallest = count + 1;
   CCST_ASSIGN_OR_RETURN(start.plan, MakePlan(surface, density, creases, count, seed, smallest));
   CCST_ASSIGN_OR_RETURN(start.samples,
-                        DrawInitialPoints(surface, density, start.plan, seed, interrupt));
+                        DrawInitialPoints(surface, density, start.plan, seed, interrupt, parallel));
   std::vector<std::int32_t> failed;
   const bool several = start.plan.components.size() > 1;
   CCST_ASSIGN_OR_RETURN(start.mesh, BuildInitialMesh(surface, start.plan, start.samples, interrupt,
-                                                     several ? &failed : nullptr));
+                                                     several ? &failed : nullptr, parallel));
   if (failed.empty()) return start;
   // Those components get points instead; drawing again changes nothing on the others.
   for (const std::int32_t c : failed) start.plan.MakePoints(c);
   CCST_ASSIGN_OR_RETURN(start.samples,
-                        DrawInitialPoints(surface, density, start.plan, seed, interrupt));
+                        DrawInitialPoints(surface, density, start.plan, seed, interrupt, parallel));
   return start;
 }
 
 /// Like TryStart(); when the count is too small for the topology, the error names the next one
 /// that works with this seed.
 absl::StatusOr<Start> MakeStart(const Surface& surface, const Density& density,
-                                const SamplingOptions& options, Interrupt* interrupt) {
+                                const SamplingOptions& options, const Parallel& parallel,
+                                Interrupt* interrupt) {
   std::vector<Crease> creases;
   if (options.crease_angle.has_value()) {
     const double spacing = quality::HexagonalSpacing(surface.area(), options.sample_count);
     creases = FindCreases(surface, *options.crease_angle, kLeastCrease * spacing);
   }
   std::int64_t next = 0;
-  absl::StatusOr<Start> start =
-      TryStart(surface, density, creases, options.sample_count, options.seed, interrupt, &next);
+  absl::StatusOr<Start> start = TryStart(surface, density, creases, options.sample_count,
+                                         options.seed, parallel, interrupt, &next);
   constexpr int kMaxTries = 64;
   for (int attempt = 0; attempt < kMaxTries && next <= kMaxSampleCount; ++attempt) {
     if (start.ok() || GetErrorReason(start.status()) != ErrorReason::kCountTooSmall) return start;
     const std::int64_t count = next;
     const absl::StatusOr<Start> other =
-        TryStart(surface, density, creases, count, options.seed, interrupt, &next);
+        TryStart(surface, density, creases, count, options.seed, parallel, interrupt, &next);
     if (absl::IsCancelled(other.status())) return other.status();
     if (!other.ok()) continue;
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
@@ -228,18 +229,19 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
     if (run.progress != nullptr) run.progress->OnPhase(phase);
   };
   enter(Phase::kPreparing);
+  const Parallel parallel(options.thread_count);
   CCST_ASSIGN_OR_RETURN(RepairedMesh repaired,
-                        Repair(mesh, {.weld_tolerance = options.weld_tolerance}, &stop));
-  SortFaces(&repaired, &stop);
-  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, &stop));
+                        Repair(mesh, {.weld_tolerance = options.weld_tolerance}, &stop, parallel));
+  SortFaces(&repaired, &stop, parallel);
+  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, &stop, parallel));
   const std::int64_t vertex_count = surface.vertex_count();
   const std::int64_t face_count = surface.face_count();
   const double spacing = quality::HexagonalSpacing(surface.area(), options.sample_count);
   if (options.method == SamplingMethod::kCcst &&
       RefineCreases(surface, kLargestAtCrease * spacing, kMostNewFaces * options.sample_count,
                     &repaired)) {
-    SortFaces(&repaired, &stop);
-    CCST_ASSIGN_OR_RETURN(surface, Surface::Build(repaired.mesh, &stop));
+    SortFaces(&repaired, &stop, parallel);
+    CCST_ASSIGN_OR_RETURN(surface, Surface::Build(repaired.mesh, &stop, parallel));
   }
   const SourceMap sources(mesh, repaired);
   repaired.mesh = {};  // From here on there is the surface.
@@ -272,7 +274,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   enter(Phase::kInitializing);
   Start first;
   if (options.method == SamplingMethod::kCcst) {
-    CCST_ASSIGN_OR_RETURN(first, MakeStart(surface, density, options, &stop));
+    CCST_ASSIGN_OR_RETURN(first, MakeStart(surface, density, options, parallel, &stop));
   }
   result.surface = Summarise(surface, first.plan);
   result.surface.vertices = vertex_count;
@@ -305,7 +307,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   std::vector<std::int32_t> order;
   if (!stop.Requested()) {
     const std::vector<double> scales = SpacingScales(surface, density, first.samples);
-    Parallel(options.thread_count).For(2, [&, token = stop](std::int64_t task) {
+    parallel.For(2, [&, token = stop](std::int64_t task) {
       Interrupt own = token;
       if (task == 0) {
         order = OrderSamples(surface, first.samples, scales, options, &own);

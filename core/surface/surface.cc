@@ -13,6 +13,7 @@
 #include "core/base/status.h"
 #include "core/mesh/edges.h"
 #include "core/surface/closest_point.h"
+#include "core/surface/corner_sums.h"
 #include "core/surface/curvature.h"
 
 namespace ccst {
@@ -24,6 +25,21 @@ absl::Status Degenerate(const std::string& message) {
 
 absl::Status NotManifold(const std::string& message) {
   return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kMeshNotManifold, message);
+}
+
+/// Faces, edges or vertices that one thread looks at in one go.
+constexpr std::int64_t kPiece = 8192;
+
+/// Calls check(first, end) for pieces of [0, count). @return the first error in their order.
+template <typename Check>
+absl::Status CheckPieces(std::int64_t count, const Parallel& parallel, const Check& check) {
+  std::vector<absl::Status> statuses((count + kPiece - 1) / kPiece);
+  parallel.ForRanges(count, kPiece, [&](std::int64_t first, std::int64_t end) {
+    statuses[static_cast<std::size_t>(first / kPiece)] =
+        check(static_cast<std::int32_t>(first), static_cast<std::int32_t>(end));
+  });
+  for (const absl::Status& status : statuses) CCST_RETURN_IF_ERROR(status);
+  return absl::OkStatus();
 }
 
 absl::Status Interrupted() {
@@ -55,7 +71,8 @@ absl::Status CheckNumbers(const TriangleMesh& mesh) {
 
 }  // namespace
 
-absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh, Interrupt* interrupt) {
+absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh, Interrupt* interrupt,
+                                       const Parallel& parallel) {
   Interrupt never;
   if (interrupt == nullptr) interrupt = &never;
   if (mesh.faces.empty()) {
@@ -90,76 +107,93 @@ absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh, Interrupt* inte
   surface.diagonal_ = ((high - low) / surface.unit_).norm();
   surface.faces_ = mesh.faces;
   surface.face_areas_.resize(mesh.faces.size());
-  std::vector<Eigen::Vector3d> sums(count, Eigen::Vector3d::Zero());
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    if (interrupt->RequestedAt(static_cast<std::int64_t>(f))) return Interrupted();
-    const Eigen::Vector3i& face = mesh.faces[f];
-    if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) {
-      return Degenerate(absl::StrCat("face ", f, " (", face[0], ", ", face[1], ", ", face[2],
-                                     ") uses one vertex twice; its three corners must differ"));
-    }
-    const Eigen::Vector3d normal =
-        (surface.positions_[face[1]] - surface.positions_[face[0]])
-            .cross(surface.positions_[face[2]] - surface.positions_[face[0]]);
-    surface.face_areas_[f] = 0.5 * normal.norm();
-    for (int k = 0; k < 3; ++k) sums[face[k]] += normal;
-    surface.area_ += surface.face_areas_[f];
-  }
+  const CornerSums corners(surface.faces_, count);
+  CCST_RETURN_IF_ERROR(surface.AddNormals(corners, parallel, interrupt));
   if (!(surface.area_ > 1e-14 * surface.diagonal_ * surface.diagonal_)) {
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kMeshEmpty,
                      "no face has a positive area; all of them are points or line segments");
   }
-  CCST_RETURN_IF_ERROR(surface.Connect(interrupt));
-  CCST_RETURN_IF_ERROR(surface.CheckVertices());
+  CCST_RETURN_IF_ERROR(surface.Connect(parallel, interrupt));
+  CCST_RETURN_IF_ERROR(surface.CheckVertices(parallel));
   if (interrupt->Requested()) return Interrupted();
   surface.FindComponentsAndLoops();
-
-  surface.normals_.resize(count);
-  for (std::int32_t i = 0; i < count; ++i) {
-    const double norm = sums[i].norm();
-    surface.normals_[i] = norm > 0.0 ? Eigen::Vector3d(sums[i] / norm) : Eigen::Vector3d::UnitZ();
-  }
-  surface.shapes_ =
-      VertexShapeTensors(surface.positions_, surface.faces_, surface.normals_, interrupt);
+  surface.shapes_ = VertexShapeTensors(surface.positions_, surface.faces_, corners,
+                                       surface.normals_, parallel, interrupt);
   if (interrupt->Requested()) return Interrupted();
   return surface;
 }
 
-absl::Status Surface::Connect(Interrupt* interrupt) {
-  twins_.assign(3 * faces_.size(), -1);
-  absl::Status status;
-  std::int64_t edges = 0;
-  ForEachEdge(faces_, vertex_count(), [&](std::span<const std::int32_t> half_edges) {
-    if (interrupt->RequestedAt(edges++)) {
-      status = Interrupted();
-      return false;
+absl::Status Surface::AddNormals(const CornerSums& corners, const Parallel& parallel,
+                                 Interrupt* interrupt) {
+  CCST_RETURN_IF_ERROR(
+      CheckPieces(face_count(), parallel, [&](std::int32_t first, std::int32_t end) {
+        for (std::int32_t f = first; f < end; ++f) {
+          const Eigen::Vector3i& face = faces_[f];
+          if (face[0] != face[1] && face[1] != face[2] && face[2] != face[0]) continue;
+          return Degenerate(absl::StrCat("face ", f, " (", face[0], ", ", face[1], ", ", face[2],
+                                         ") uses one vertex twice; its three corners must differ"));
+        }
+        return absl::OkStatus();
+      }));
+  face_areas_.resize(faces_.size());
+  normals_.assign(positions_.size(), Eigen::Vector3d::Zero());
+  corners.Add(
+      parallel, interrupt,
+      [&](std::int64_t f, const auto& add) {
+        const Eigen::Vector3i& face = faces_[static_cast<std::size_t>(f)];
+        const Eigen::Vector3d normal = (positions_[face[1]] - positions_[face[0]])
+                                           .cross(positions_[face[2]] - positions_[face[0]]);
+        face_areas_[static_cast<std::size_t>(f)] = 0.5 * normal.norm();
+        for (int k = 0; k < 3; ++k) add(k, normal);
+      },
+      &normals_);
+  if (interrupt->Requested()) return Interrupted();
+  for (const double area : face_areas_) area_ += area;
+  parallel.ForRanges(vertex_count(), kPiece, [&](std::int64_t first, std::int64_t end) {
+    for (auto v = static_cast<std::size_t>(first); v < static_cast<std::size_t>(end); ++v) {
+      const double norm = normals_[v].norm();
+      normals_[v] = norm > 0.0 ? Eigen::Vector3d(normals_[v] / norm) : Eigen::Vector3d::UnitZ();
     }
-    if (half_edges.size() == 1) return true;
+  });
+  return absl::OkStatus();
+}
+
+absl::Status Surface::Connect(const Parallel& parallel, Interrupt* interrupt) {
+  twins_.assign(3 * faces_.size(), -1);
+  EdgeSlots edges(faces_, vertex_count());
+  const auto pair = [&](std::span<const std::int32_t> half_edges) {
+    if (half_edges.size() == 1) return absl::OkStatus();
     const std::int32_t h = half_edges[0];
     const std::int32_t g = half_edges[1];
     if (half_edges.size() == 2 && Origin(h) != Origin(g)) {
       twins_[h] = g;
       twins_[g] = h;
-      return true;
+      return absl::OkStatus();
     }
     const std::int32_t low = std::min(Origin(h), Target(h));
     const std::int32_t high = std::max(Origin(h), Target(h));
     const std::string edge = absl::StrCat("the edge between vertices ", low, " and ", high,
                                           " near ", Describe(ToMesh(positions_[low])));
     if (half_edges.size() > 2) {
-      status = NotManifold(absl::StrCat(edge, " is shared by more than two faces (", h / 3, ", ",
-                                        g / 3, ", ...); at most two may meet at an edge"));
-    } else {
-      status =
-          NotManifold(absl::StrCat(edge, " is traversed in the same direction by faces ", h / 3,
-                                   " and ", g / 3, "; neighbouring faces must be oriented alike"));
+      return NotManifold(absl::StrCat(edge, " is shared by more than two faces (", h / 3, ", ",
+                                      g / 3, ", ...); at most two may meet at an edge"));
     }
-    return false;
-  });
-  return status;
+    return NotManifold(absl::StrCat(edge, " is traversed in the same direction by faces ", h / 3,
+                                    " and ", g / 3, "; neighbouring faces must be oriented alike"));
+  };
+  return CheckPieces(vertex_count(), parallel,
+                     [&, stop = *interrupt](std::int32_t first, std::int32_t end) -> absl::Status {
+                       if (Interrupt(stop).Requested()) return Interrupted();
+                       absl::Status status;
+                       edges.ForEach(first, end, [&](std::span<const std::int32_t> half_edges) {
+                         status = pair(half_edges);
+                         return status.ok();
+                       });
+                       return status;
+                     });
 }
 
-absl::Status Surface::CheckVertices() {
+absl::Status Surface::CheckVertices(const Parallel& parallel) {
   const std::int32_t half_edges = 3 * face_count();
   outgoing_.assign(positions_.size(), -1);
   std::vector<std::int32_t> degree(positions_.size(), 0);
@@ -168,7 +202,7 @@ absl::Status Surface::CheckVertices() {
     ++degree[v];
     if (outgoing_[v] < 0 || twins_[h] < 0) outgoing_[v] = h;
   }
-  for (std::int32_t v = 0; v < vertex_count(); ++v) {
+  const auto check = [&](std::int32_t v) {
     if (degree[v] == 0) {
       return NotManifold(absl::StrCat("vertex ", v, " at ", Describe(ToMesh(positions_[v])),
                                       " belongs to no face; every vertex must"));
@@ -177,16 +211,21 @@ absl::Status Surface::CheckVertices() {
     std::int32_t h = outgoing_[v];
     do {
       ++seen;
-      h = twins_[h - h % 3 + (h % 3 + 2) % 3];
+      h = twins_[h % 3 == 0 ? h + 2 : h - 1];
     } while (h >= 0 && h != outgoing_[v] && seen <= degree[v]);
-    if (seen != degree[v]) {
-      return NotManifold(
-          absl::StrCat("vertex ", v, " at ", Describe(ToMesh(positions_[v])), " has ", degree[v],
-                       " faces of which only ", seen,
-                       " are connected around it; the faces at a vertex must form one fan"));
-    }
-  }
-  return absl::OkStatus();
+    if (seen == degree[v]) return absl::OkStatus();
+    return NotManifold(
+        absl::StrCat("vertex ", v, " at ", Describe(ToMesh(positions_[v])), " has ", degree[v],
+                     " faces of which only ", seen,
+                     " are connected around it; the faces at a vertex must form one fan"));
+  };
+  return CheckPieces(vertex_count(), parallel,
+                     [&](std::int32_t first, std::int32_t end) -> absl::Status {
+                       for (std::int32_t v = first; v < end; ++v) {
+                         CCST_RETURN_IF_ERROR(check(v));
+                       }
+                       return absl::OkStatus();
+                     });
 }
 
 void Surface::FindComponentsAndLoops() {

@@ -9,8 +9,11 @@
 #include "absl/status/statusor.h"
 #include "core/base/interrupt.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/parallel/parallel.h"
 
 namespace ccst {
+
+class CornerSums;
 
 /// A point on the surface: its face and the weights of the face's three corners.
 struct SurfacePoint {
@@ -40,8 +43,9 @@ class Surface {
   ///         with a repeated vertex) | MESH_EMPTY (no face of positive area);
   ///         FAILED_PRECONDITION MESH_NOT_MANIFOLD naming the edge or vertex; CANCELLED when
   ///         `interrupt` (may be null) was requested.
-  /// Cost O(V + F).
-  static absl::StatusOr<Surface> Build(const TriangleMesh& mesh, Interrupt* interrupt = nullptr);
+  /// Cost O(V + F); the same bits on any number of threads.
+  static absl::StatusOr<Surface> Build(const TriangleMesh& mesh, Interrupt* interrupt = nullptr,
+                                       const Parallel& parallel = Parallel());
 
   std::int32_t vertex_count() const { return static_cast<std::int32_t>(positions_.size()); }
   std::int32_t face_count() const { return static_cast<std::int32_t>(faces_.size()); }
@@ -98,8 +102,10 @@ class Surface {
 
  private:
   Surface() = default;
-  absl::Status Connect(Interrupt* interrupt);
-  absl::Status CheckVertices();
+  absl::Status AddNormals(const CornerSums& corners, const Parallel& parallel,
+                          Interrupt* interrupt);
+  absl::Status Connect(const Parallel& parallel, Interrupt* interrupt);
+  absl::Status CheckVertices(const Parallel& parallel);
   void FindComponentsAndLoops();
 
   std::vector<Eigen::Vector3d> positions_;

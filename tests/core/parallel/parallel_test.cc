@@ -24,6 +24,16 @@ TEST(Parallel, NoPiecesIsNoWork) {
   parallel.For(0, [](std::int64_t) { ADD_FAILURE(); });
 }
 
+TEST(Parallel, RangesAreCutBySizeAlone) {
+  for (const int threads : {1, 2, 3, 8}) {
+    std::vector<std::int64_t> ends(10, 0);
+    Parallel(threads).ForRanges(10, 4, [&](std::int64_t first, std::int64_t end) {
+      ends[static_cast<std::size_t>(first)] = end;
+    });
+    EXPECT_EQ(ends, (std::vector<std::int64_t>{4, 0, 0, 0, 8, 0, 0, 0, 10, 0}));
+  }
+}
+
 TEST(Parallel, OneThreadRunsInOrder) {
   std::vector<std::int64_t> order;
   Parallel().For(5, [&](std::int64_t i) { order.push_back(i); });

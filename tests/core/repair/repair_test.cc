@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -368,6 +369,26 @@ TEST(Repair, EqualInputGivesEqualBits) {
   EXPECT_EQ(one.mesh.positions, two.mesh.positions);
   EXPECT_EQ(one.mesh.faces, two.mesh.faces);
   EXPECT_EQ(one.source_face, two.source_face);
+}
+
+// So many faces that several threads look for defects; one is in the last piece.
+TEST(Repair, ThreadsFindTheSameDefects) {
+  const TriangleMesh clean = shapes::Torus(1, 0.35, 200, 100);
+  TriangleMesh flipped = clean;
+  std::swap(flipped.faces.back()[0], flipped.faces.back()[1]);
+  TriangleMesh doubled = clean;
+  doubled.positions.back() = doubled.positions.front();
+  TriangleMesh flat = clean;
+  flat.faces.back() = Eigen::Vector3i(0, 1, 1);
+  for (const TriangleMesh& mesh : {clean, flipped, doubled, flat}) {
+    const RepairedMesh base = *Repair(mesh);
+    for (const int threads : {2, 3, 8}) {
+      const RepairedMesh other = *Repair(mesh, {}, nullptr, Parallel(threads));
+      EXPECT_EQ(other.report, base.report);
+      EXPECT_EQ(other.mesh.faces, base.mesh.faces);
+      EXPECT_EQ(other.mesh.positions, base.mesh.positions);
+    }
+  }
 }
 
 TEST(Repair, AllDefectsTogetherAreRepairedAndCounted) {

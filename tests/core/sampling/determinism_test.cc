@@ -65,6 +65,20 @@ TEST(Determinism, ManySamplesGiveTheSameBits) {
   }
 }
 
+// So many faces that preparation and the first triangulation are cut up.
+TEST(Determinism, ManyFacesGiveTheSameBits) {
+  SamplingOptions options;
+  options.sample_count = 300;
+  options.max_iterations = 2;
+  options.crease_angle = 0.8;
+  const TriangleMesh mesh = shapes::Subdivided(shapes::Subdivided(shapes::Cylinder(1, 2, 60, 20)));
+  const SamplingResult base = *SampleSurface(mesh, options);
+  for (const int threads : {2, 3, 8}) {
+    options.thread_count = threads;
+    EXPECT_EQ(FindDifference(base, *SampleSurface(mesh, options)), "") << threads << " threads";
+  }
+}
+
 TEST(Determinism, OpenSurfaceGivesTheSameBits) {
   ExpectTheSameBits(shapes::SphereWithHole(0.8, 30, 40), 500);
 }

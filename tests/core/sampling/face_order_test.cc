@@ -75,5 +75,19 @@ TEST(SortFaces, ExtremeScalesAreFine) {
   }
 }
 
+TEST(SortFaces, ThreadsGiveTheSameOrder) {
+  const RepairedMesh mesh = *Repair(Backwards(shapes::Torus(1, 0.35, 200, 100)));
+  Interrupt never;
+  RepairedMesh base = mesh;
+  SortFaces(&base, &never);
+  for (const int threads : {2, 3, 8}) {
+    RepairedMesh other = mesh;
+    SortFaces(&other, &never, Parallel(threads));
+    EXPECT_EQ(other.mesh.positions, base.mesh.positions);
+    EXPECT_EQ(other.mesh.faces, base.mesh.faces);
+    EXPECT_EQ(other.source_face, base.source_face);
+  }
+}
+
 }  // namespace
 }  // namespace ccst

@@ -111,6 +111,29 @@ TEST(BuildInitialMesh, BoundariesLeaveFewTrianglesTurnedOver) {
   EXPECT_LE(CountTurnedOver(shapes::SphereWithHole(0.8, 20, 30), 1500), 30);
 }
 
+// So many faces that blocks of them are thinned side by side.
+TEST(BuildInitialMesh, ThreadsGiveTheSameBits) {
+  for (const TriangleMesh& mesh :
+       {shapes::Torus(1, 0.35, 200, 60), shapes::SphereWithHole(0.8, 60, 120)}) {
+    const Surface surface = *Surface::Build(mesh);
+    const Density density = Density::Uniform(surface);
+    std::int64_t smallest = 0;
+    const Plan plan = *MakePlan(surface, density, {}, 5000, 3, &smallest);
+    Interrupt never;
+    const Samples samples = *DrawInitialPoints(surface, density, plan, 3, &never);
+    const SampleMesh base = *BuildInitialMesh(surface, plan, samples, &never);
+    for (const int threads : {2, 3, 8}) {
+      const Parallel parallel(threads);
+      const Samples others = *DrawInitialPoints(surface, density, plan, 3, &never, parallel);
+      EXPECT_EQ(others.position, samples.position);
+      const SampleMesh other = *BuildInitialMesh(surface, plan, samples, &never, nullptr, parallel);
+      EXPECT_EQ(other.origin, base.origin);
+      EXPECT_EQ(other.twin, base.twin);
+      EXPECT_EQ(other.outgoing, base.outgoing);
+    }
+  }
+}
+
 TEST(BuildInitialMesh, StopGivesCancelled) {
   const Surface surface = *Surface::Build(shapes::Icosphere(4));
   std::int64_t smallest = 0;

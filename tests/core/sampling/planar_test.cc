@@ -25,7 +25,7 @@ constexpr double kTolerance = 0.03;
 // The window holds half the area and, because samples on the boundary have half a cell only, a
 // little less than half of the samples.
 constexpr std::int64_t kSamples = 2148;
-constexpr int kSeeds = 6;
+constexpr int kSeeds = 16;
 
 TEST(Planar, AgreesWithCapacityConstrainedDelaunayTriangulation) {
   const TriangleMesh square = shapes::PlaneGrid(1, 1, 100, 100);

@@ -113,13 +113,13 @@ TEST(SampleSurface, FewFacesCarryManySamples) {
   // (core/docs/known-weaknesses.md).
   const TriangleMesh tetrahedron = shapes::Tetrahedron();
   std::vector<std::string> faults;
-  for (options.seed = 0; options.seed < 10; ++options.seed) {
+  for (options.seed = 0; options.seed < 20; ++options.seed) {
     const absl::StatusOr<SamplingResult> result = SampleSurface(tetrahedron, options);
     ASSERT_TRUE(result.ok()) << result.status();
     const std::string fault = FindFault(tetrahedron, 2000, *result);
     if (!fault.empty()) faults.push_back(fault);
   }
-  EXPECT_LE(faults.size(), 1u);
+  EXPECT_LE(faults.size(), 2u);
   for (const std::string& fault : faults) EXPECT_EQ(fault, "1 triangles turned over");
 }
 

@@ -59,5 +59,14 @@ TEST(HilbertOrder, EndsWhenStopped) {
   EXPECT_TRUE(HilbertOrder(RandomPoints(10), &interrupt).empty());
 }
 
+TEST(HilbertOrder, ThreadsGiveTheSameOrder) {
+  const std::vector<Eigen::Vector3d> points = RandomPoints(30000);
+  Interrupt never;
+  const std::vector<std::int32_t> order = HilbertOrder(points, &never);
+  for (const int threads : {2, 3, 8}) {
+    EXPECT_EQ(HilbertOrder(points, &never, Parallel(threads)), order);
+  }
+}
+
 }  // namespace
 }  // namespace ccst

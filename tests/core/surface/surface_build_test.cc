@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -141,6 +142,46 @@ TEST(SurfaceBuild, LargeOffsetKeepsWhatTheCoordinatesHold) {
   for (int v = 0; v < surface->vertex_count(); ++v) {
     EXPECT_LT((surface->ToMesh(surface->positions()[v]) - mesh.positions[v]).norm(), 1e-8);
     EXPECT_LT((surface->normals()[v] - (mesh.positions[v] - offset).normalized()).norm(), 0.03);
+  }
+}
+
+// So many faces that they are several pieces.
+TEST(SurfaceBuild, ThreadsGiveTheSameBits) {
+  const TriangleMesh mesh = shapes::SphereWithHole(0.8, 100, 150);
+  Interrupt never;
+  const Surface base = *Surface::Build(mesh);
+  for (const int threads : {2, 3, 8}) {
+    const Surface other = *Surface::Build(mesh, &never, Parallel(threads));
+    EXPECT_EQ(other.normals(), base.normals());
+    EXPECT_EQ(other.face_areas(), base.face_areas());
+    EXPECT_EQ(other.area(), base.area());
+    EXPECT_EQ(other.twins(), base.twins());
+    EXPECT_EQ(other.outgoing(), base.outgoing());
+    for (int f = 0; f < base.face_count(); ++f) {
+      for (int k = 0; k < 3; ++k) {
+        ASSERT_EQ(other.ShapeAt(f, Eigen::Vector3d::Unit(k)),
+                  base.ShapeAt(f, Eigen::Vector3d::Unit(k)));
+      }
+    }
+  }
+}
+
+// The culprits lie in different pieces; whichever is found first in time, the first in order is
+// told.
+TEST(SurfaceBuild, ThreadsNameTheSameCulprit) {
+  TriangleMesh mesh = shapes::PlaneGrid(1, 1, 150, 100);
+  mesh.faces[29000] = Eigen::Vector3i(5, 5, 6);
+  mesh.faces[9000] = Eigen::Vector3i(7, 7, 8);
+  TriangleMesh flipped = shapes::PlaneGrid(1, 1, 150, 150);
+  std::swap(flipped.faces[40000][0], flipped.faces[40000][1]);
+  std::swap(flipped.faces[20000][0], flipped.faces[20000][1]);
+  Interrupt never;
+  for (const TriangleMesh& bad : {mesh, flipped}) {
+    const absl::Status base = Surface::Build(bad).status();
+    ASSERT_FALSE(base.ok());
+    for (const int threads : {2, 3, 8}) {
+      EXPECT_EQ(Surface::Build(bad, &never, Parallel(threads)).status(), base);
+    }
   }
 }
 
