@@ -29,9 +29,9 @@ double SpacingOf(const Ring& ring, const RingSums& sums) {
 
 std::vector<HostVertex> HostVertices(const Surface& surface, const Parallel& parallel) {
   std::vector<HostVertex> hosts(surface.vertex_count());
-  parallel.For((surface.vertex_count() + kPiece - 1) / kPiece, [&](std::int64_t p) {
-    const auto first = static_cast<std::int32_t>(p) * kPiece;
-    for (std::int32_t v = first; v < std::min(first + kPiece, surface.vertex_count()); ++v) {
+  parallel.ForRanges(surface.vertex_count(), kPiece, [&](std::int64_t first, std::int64_t end) {
+    for (std::int64_t i = first; i < end; ++i) {
+      const auto v = static_cast<std::size_t>(i);
       HostVertex& host = hosts[v];
       Eigen::Vector3d::Map(host.position) = surface.positions()[v];
       const std::int32_t h = surface.outgoing()[v];

@@ -52,11 +52,10 @@ constexpr int kPassesPerAlternation = 3;
 
 /// Calls `each(v)` for every sample.
 template <typename Each>
-void ForPieces(const Parallel& parallel, std::int32_t count, const Each& each) {
-  constexpr std::int32_t kPiece = 8192;
-  parallel.For((count + kPiece - 1) / kPiece, [&](std::int64_t p) {
-    const auto first = static_cast<std::int32_t>(p) * kPiece;
-    for (std::int32_t v = first; v < std::min(first + kPiece, count); ++v) each(v);
+void ForEach(const Parallel& parallel, const Samples& samples, const Each& each) {
+  constexpr std::int64_t kPiece = 8192;
+  parallel.ForRanges(samples.count(), kPiece, [&](std::int64_t first, std::int64_t end) {
+    for (std::int64_t v = first; v < end; ++v) each(static_cast<std::int32_t>(v));
   });
 }
 
@@ -80,7 +79,7 @@ class Snapshot {
     mesh->locked = std::move(locked_);
     mesh->outgoing = std::move(outgoing_);
     samples->arc = std::move(arc_);
-    ForPieces(parallel, samples->count(), [&](std::int32_t v) {
+    ForEach(parallel, *samples, [&](std::int32_t v) {
       const Eigen::Vector3i& corner = surface.faces()[face_[v]];
       SurfacePoint point;
       point.face = face_[v];
@@ -143,7 +142,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
       geometry.UpdateAllDensities(stop);
     }
     // Passes keep normals in single precision.
-    ForPieces(parallel, samples->count(), [&](std::int32_t v) {
+    ForEach(parallel, *samples, [&](std::int32_t v) {
       samples->normal[v] = surface.NormalAt(samples->face[v], samples->weights[v]);
     });
     const GeometryPhase::Spread spread = geometry.MeasureCapacities();
