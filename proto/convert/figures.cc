@@ -1,12 +1,34 @@
 #include "proto/convert/figures.h"
 
+#include <cstdint>
+#include <numbers>
+#include <numeric>
+
 namespace ccst {
+namespace {
+
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+
+}  // namespace
 
 v1::Curve ToProto(const analysis::Curve& curve) {
   v1::Curve message;
   message.mutable_x()->Add(curve.x.begin(), curve.x.end());
   message.mutable_y()->Add(curve.y.begin(), curve.y.end());
   return message;
+}
+
+void AddFigures(const quality::AngleFigures& figures, v1::AnalyzeJobResponse& response) {
+  response.set_min_angle_radians(figures.smallest * kRadiansPerDegree);
+  response.set_mean_min_angle_radians(figures.mean_smallest * kRadiansPerDegree);
+  const auto angles = static_cast<double>(
+      std::accumulate(figures.histogram.begin(), figures.histogram.end(), std::int64_t{0}));
+  v1::Curve& curve = *response.mutable_angle_histogram();
+  double bin = 0.5;
+  for (const std::int64_t count : figures.histogram) {
+    curve.add_x(bin++ * quality::AngleFigures::kBinWidth * kRadiansPerDegree);
+    curve.add_y(static_cast<double>(count) / angles);
+  }
 }
 
 void AddFigures(const analysis::SampleFigures& figures, v1::AnalyzeJobResponse& response) {
