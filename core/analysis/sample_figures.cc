@@ -57,19 +57,25 @@ Curve OverRMax(Curve curve) {
 class Sum {
  public:
   Sum(const ReferenceSurface& reference, const FigureOptions& options, std::int64_t count,
-      std::size_t sets)
+      std::size_t sets, Interrupt* interrupt)
       : reference_(reference),
         options_(options),
+        interrupt_(interrupt),
         share_(1.0 / static_cast<double>(sets)),
         differentials_(count) {}
 
   void Add(const SampleSetView& set) {
+    if (Stopped()) return;
     const std::vector<Eigen::Vector3d> positions = reference_.ToFrame(set.positions);
     const std::vector<SurfacePoint> points = reference_.Locate(positions);
+    if (Stopped()) return;
     AddDistances(positions, points);
+    if (Stopped()) return;
     differentials_.AddSurface(reference_.surface(), reference_.density(), points);
+    if (Stopped()) return;
     figures_.density_fidelity +=
         share_ * MeasureDensityFidelity(reference_.surface(), reference_.density(), points);
+    if (Stopped()) return;
     if (!set.triangles.empty()) AddMesh(positions, set.triangles, points);
   }
 
@@ -91,6 +97,8 @@ class Sum {
   }
 
  private:
+  bool Stopped() { return interrupt_ != nullptr && interrupt_->Requested(); }
+
   double DensityAt(const SurfacePoint& point) const {
     return reference_.density().At(point.face, point.weights);
   }
@@ -153,18 +161,12 @@ class Sum {
     for (int k = 0; k < quality::ValenceFigures::kBins; ++k) {
       valences_.Add(k, static_cast<double>(valences.histogram[static_cast<std::size_t>(k)]));
     }
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      const Eigen::Vector3i& t = triangles[i];
-      for (int k = 0; k < 3; ++k) {
-        const Eigen::Vector3d u = positions[t[(k + 1) % 3]] - positions[t[k]];
-        const Eigen::Vector3d v = positions[t[(k + 2) % 3]] - positions[t[k]];
-        angles_.Add(std::atan2(u.cross(v).norm(), u.dot(v)) * 180.0 / M_PI);
-        if (k > 0 || !(capacity.mean > 0.0)) continue;
-        const double density = densities.empty() ? 1.0 : densities[i];
-        capacities_.Add(0.5 * u.cross(v).norm() * density / capacity.mean);
-      }
+    for (int k = 0; k < quality::AngleFigures::kBins; ++k) {
+      angles_.Add((k + 0.5) * quality::AngleFigures::kBinWidth,
+                  static_cast<double>(angles.histogram[static_cast<std::size_t>(k)]));
     }
-    if (!options_.surface_distance) return;
+    AddCapacities(positions, triangles, densities, capacity.mean);
+    if (!options_.surface_distance || Stopped()) return;
     const quality::SurfaceDistanceFigures distance =
         quality::MeasureSurfaceDistance(reference_.mesh(), reference_.tree(), positions, triangles);
     const double diagonal = reference_.surface().diagonal();
@@ -172,13 +174,27 @@ class Sum {
     mesh.rms = mesh.rms.value_or(0.0) + share_ * distance.rms / diagonal;
   }
 
+  void AddCapacities(const std::vector<Eigen::Vector3d>& positions,
+                     std::span<const Eigen::Vector3i> triangles,
+                     const std::vector<double>& densities, double mean) {
+    if (!(mean > 0.0)) return;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      const Eigen::Vector3i& t = triangles[i];
+      const Eigen::Vector3d u = positions[t[1]] - positions[t[0]];
+      const Eigen::Vector3d v = positions[t[2]] - positions[t[0]];
+      const double density = densities.empty() ? 1.0 : densities[i];
+      capacities_.Add(0.5 * u.cross(v).norm() * density / mean);
+    }
+  }
+
   const ReferenceSurface& reference_;
   const FigureOptions options_;
+  Interrupt* const interrupt_;
   const double share_;
   Differentials differentials_;
   SampleFigures figures_;
   Histogram nearest_{0.02, 75};
-  Histogram angles_{2.0, 90};
+  Histogram angles_{quality::AngleFigures::kBinWidth, quality::AngleFigures::kBins};
   Histogram capacities_{0.02, 100};
   Histogram valences_{1.0, quality::ValenceFigures::kBins};
 };
@@ -186,9 +202,9 @@ class Sum {
 }  // namespace
 
 SampleFigures MeasureSamples(const ReferenceSurface& reference, std::span<const SampleSetView> sets,
-                             const FigureOptions& options) {
+                             const FigureOptions& options, Interrupt* interrupt) {
   const auto count = static_cast<std::int64_t>(sets.front().positions.size());
-  Sum sum(reference, options, count, sets.size());
+  Sum sum(reference, options, count, sets.size(), interrupt);
   for (const SampleSetView& set : sets) sum.Add(set);
   SampleFigures figures = std::move(sum).Finish();
   figures.count = count;

@@ -9,6 +9,7 @@
 
 #include "core/analysis/curve.h"
 #include "core/analysis/reference_surface.h"
+#include "core/base/interrupt.h"
 
 namespace ccst::analysis {
 
@@ -65,9 +66,11 @@ struct FigureOptions {
 /// Measures `sets`, at least one, on `reference`: curves over the pairs of all sets, all other
 /// figures means over the sets, but for smallest angle and q_min, which are the smallest. Sets
 /// should have about equally many samples.
+/// @param interrupt  polled between the steps, which take seconds on large surfaces; may be null.
+///                   Once requested, what has not been measured yet is left out.
 /// Cost about 3 s for a set of 1e5 samples and its mesh, 1 s without a mesh, 12 s on a surface of
 /// 1.3 million faces; most of what the mesh adds is the surface distance.
 SampleFigures MeasureSamples(const ReferenceSurface& reference, std::span<const SampleSetView> sets,
-                             const FigureOptions& options = {});
+                             const FigureOptions& options = {}, Interrupt* interrupt = nullptr);
 
 }  // namespace ccst::analysis

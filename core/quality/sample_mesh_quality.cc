@@ -30,6 +30,8 @@ AngleFigures MeasureAngles(std::span<const Eigen::Vector3d> positions,
       const double angle = std::atan2(u.cross(v).norm(), dot) * kDegrees;
       if (angle < 30.0) ++below_30;
       if (dot < 0.0) ++above_90;
+      const int bin = static_cast<int>(angle / AngleFigures::kBinWidth);
+      ++figures.histogram[std::min(bin, AngleFigures::kBins - 1)];
       smallest = std::min(smallest, angle);
     }
     sum_smallest += smallest;

@@ -10,10 +10,14 @@ namespace ccst::quality {
 
 /// Angles of the triangles of a sample mesh.
 struct AngleFigures {
-  double smallest = 0.0;        ///< [degree], in [0, 60].
+  static constexpr int kBins = 90;
+  static constexpr double kBinWidth = 180.0 / kBins;  ///< [degree]
+  double smallest = 0.0;                              ///< [degree], in [0, 60].
   double mean_smallest = 0.0;   ///< Mean over the triangles of their smallest angle [degree].
   double share_below_30 = 0.0;  ///< Of all angles, in [0, 1].
   double share_above_90 = 0.0;  ///< Of all angles, in [0, 1].
+  /// Angles by size, bin k from k to k + 1 widths; the last holds 180 degrees too.
+  std::array<std::int64_t, kBins> histogram{};
 };
 
 /// Measures all 3 m angles. A triangle of zero area has the angles 0, 0, 180.

@@ -16,11 +16,12 @@ namespace {
 
 // Enough that one slow write does not hold up who only reads.
 constexpr int kDiskThreads = 4;
-constexpr int kHeavyThreads = 2;
+constexpr int kDecodingThreads = 2;
+constexpr int kAnalysisThreads = 2;
 constexpr std::size_t kMaxWaitingCalls = 10'000;
 constexpr std::size_t kMaxWaitingHeavy = 64;
 constexpr std::chrono::seconds kTick(5);
-// Of an upload that is whole; its sender waits as long.
+// Of an upload that is whole, or of samples to be measured; the caller waits as long.
 constexpr absl::Duration kLongestWaitForMemory = absl::Seconds(30);
 // Servers without a directory of their own on one machine.
 constexpr int kMaxDefaultDirectories = 64;
@@ -81,7 +82,8 @@ absl::StatusOr<std::unique_ptr<Store>> OpenStore(
 }  // namespace
 
 Backend::Backend()
-    : heavy_(kHeavyThreads, kMaxWaitingHeavy),
+    : decoding_(kDecodingThreads, kMaxWaitingHeavy),
+      analyses_(kAnalysisThreads, kMaxWaitingHeavy),
       disk_(kDiskThreads, kMaxWaitingCalls),
       streams_(kDiskThreads, kMaxWaitingCalls) {}
 
@@ -106,11 +108,14 @@ absl::StatusOr<std::unique_ptr<Backend>> Backend::Open(const ServerOptions& opti
   run.mesh_limits = options.mesh_limits;
   run.threads_per_job = options.threads_per_job;
   CCST_ASSIGN_OR_RETURN(backend->jobs_, JobManager::Start(*backend->store_, *backend->pins_, jobs,
-                                                          {.run = std::move(run),
+                                                          {.run = run,
                                                            .codec = ProtoJobCodec(),
                                                            .new_id = std::move(dependencies.new_id),
                                                            .observer = dependencies.observer,
                                                            .budget = budget}));
+  backend->analyst_ =
+      std::make_unique<JobAnalyst>(*backend->jobs_, backend->store_->blobs(), budget,
+                                   std::move(run), kAnalysisThreads, kLongestWaitForMemory);
   return backend;
 }
 

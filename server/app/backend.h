@@ -7,6 +7,7 @@
 #include "absl/status/statusor.h"
 #include "server/app/server_options.h"
 #include "server/base/executor.h"
+#include "server/jobs/job_analyst.h"
 #include "server/jobs/job_manager.h"
 #include "server/meshes/mesh_store.h"
 #include "server/store/store.h"
@@ -34,6 +35,7 @@ class Backend {
   Backend& operator=(const Backend&) = delete;
 
   JobManager& jobs() { return *jobs_; }
+  JobAnalyst& analyst() { return *analyst_; }
   MeshStore& meshes() { return *meshes_; }
   Store& store() { return *store_; }
   /// Where the store is, once it is open.
@@ -41,7 +43,8 @@ class Backend {
   BlobPins& pins() { return *pins_; }
   Executor& disk() { return disk_; }
   Executor& streams() { return streams_; }
-  Executor& heavy() { return heavy_; }
+  Executor& decoding() { return decoding_; }
+  Executor& analyses() { return analyses_; }
 
   /// Calls `every_tick` every few seconds from now on, and drops what has expired now and then.
   void StartSweeping(std::function<void()> every_tick);
@@ -56,8 +59,10 @@ class Backend {
   std::unique_ptr<BlobPins> pins_;
   std::unique_ptr<MeshStore> meshes_;
   std::unique_ptr<JobManager> jobs_;
+  std::unique_ptr<JobAnalyst> analyst_;
   // What they run uses all of the above.
-  Executor heavy_;
+  Executor decoding_;
+  Executor analyses_;  // Of its own, so that who measures does not hold up who uploads.
   Executor disk_;
   Executor streams_;  // Of its own, so that many watchers do not delay calls.
   std::jthread sweeper_;

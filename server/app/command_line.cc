@@ -132,7 +132,8 @@ class Flags {
     Add("max-queued-jobs-per-caller", options.runner.max_queued_jobs_per_caller,
         "Jobs of one caller that may wait");
     Add("max-job-memory-bytes", options.max_job_memory_bytes,
-        "Memory that running jobs may need, by estimate; 0 is half of the machine's");
+        "Memory that running jobs, uploads and analyses may need, by estimate; 0 is half of the "
+        "machine's");
     Add("max-watchers-per-job", options.max_watchers_per_job, "WatchJob streams of one job");
     Add("job-retention", options.job_retention_seconds, "Seconds that an ended job is kept");
     Add("max-mesh-bytes", options.mesh_limits.max_bytes, "Bytes of an encoded mesh");

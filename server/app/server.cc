@@ -118,13 +118,14 @@ absl::Status Server::OpenBackend() {
                  .meshes = backend_->meshes(),
                  .blobs = backend_->store().blobs(),
                  .pins = backend_->pins(),
+                 .analyst = backend_->analyst(),
                  .disk = backend_->disk(),
-                 .heavy = backend_->heavy(),
+                 .analyses = backend_->analyses(),
                  .limits = options_.request_limits});
   const MeshServiceOptions meshes = {.max_inline_mesh_bytes =
                                          options_.request_limits.max_inline_mesh_bytes};
   mesh_service_ = std::make_unique<MeshService>(backend_->meshes(), backend_->disk(),
-                                                backend_->heavy(), calls_, meshes);
+                                                backend_->decoding(), calls_, meshes);
   server_info_service_ = std::make_unique<ServerInfoService>(
       jobs, calls_,
       LimitsToProto(options_.request_limits, options_.MeshOptions(), meshes, jobs.options()));

@@ -9,8 +9,6 @@
 namespace ccst::server {
 namespace {
 
-// What a mesh says of itself stands in its first bytes, but for long metadata.
-constexpr std::int64_t kHeaderBytes = std::int64_t{64} << 10;
 constexpr std::size_t kMaxPosted = std::size_t{1} << 20;
 // Ended jobs whose samples are on their way to the disk, beside those that run.
 constexpr int kStorers = 2;
@@ -119,23 +117,9 @@ std::shared_ptr<Job> JobManager::NewJob(std::string id, JobSpec spec) {
 }
 
 absl::StatusOr<std::int64_t> JobManager::MemoryOf(const JobSpec& spec) const {
-  auto opened = store_.blobs().Open(spec.mesh_sha256);
-  if (absl::IsNotFound(opened.status())) {
-    return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kMeshMissing,
-                     "the mesh meshes/" + spec.mesh_sha256 + " is not stored");
-  }
-  if (!opened.ok()) return opened.status();
-  const Blob& blob = **opened;
-  const std::int64_t size = blob.size_bytes();
-  const auto count = [&](std::int64_t length) -> absl::StatusOr<MeshCounts> {
-    std::string start(static_cast<std::size_t>(length), '\0');
-    CCST_RETURN_IF_ERROR(blob.Read(0, start));
-    return dependencies_.run.count(start, size, dependencies_.run.mesh_limits);
-  };
-  auto counts = count(std::min(size, kHeaderBytes));
-  if (!counts.ok() && size > kHeaderBytes) counts = count(size);
-  if (!counts.ok()) return counts.status();
-  return EstimateMemory(counts->vertices, counts->faces, spec.options);
+  MeshCounts counts;
+  CCST_ASSIGN_OR_RETURN(counts, CountMesh(store_.blobs(), spec.mesh_sha256, dependencies_.run));
+  return EstimateMemory(counts.vertices, counts.faces, spec.options);
 }
 
 absl::Status JobManager::Check(const JobSpec& spec) const { return AdmittedMemory(spec).status(); }
@@ -316,12 +300,14 @@ absl::Status JobManager::Cancel(const std::shared_ptr<Job>& job, StopCause cause
 }
 
 void JobManager::Run(const std::shared_ptr<Job>& job, std::shared_ptr<void> grant) {
-  auto outcome = RunJob(
-      *job, dependencies_.run,
-      {.load = [this](const std::string& sha256) { return ReadWhole(store_.blobs(), sha256); },
-       .decoders = decoders_,
-       .grant = grant,
-       .observer = *dependencies_.observer});
+  auto outcome = RunJob(*job, dependencies_.run,
+                        {.source = {.load =
+                                        [this](const std::string& sha256) {
+                                          return ReadWhole(store_.blobs(), sha256);
+                                        },
+                                    .decoders = decoders_,
+                                    .grant = grant},
+                         .observer = *dependencies_.observer});
   {
     MutexLock lock(mutex_);
     ++storing_;

@@ -28,14 +28,14 @@ std::shared_ptr<void> MemoryBudget::Take(std::int64_t bytes) {
   return {this, [self = shared_from_this(), bytes](void*) { self->Release(bytes); }};
 }
 
-std::shared_ptr<void> MemoryBudget::TakeWithin(absl::Duration timeout, std::int64_t bytes) {
+std::shared_ptr<void> MemoryBudget::TakeWithin(absl::Duration timeout, std::int64_t bytes,
+                                               const std::stop_token& stop) {
   const auto deadline = std::chrono::steady_clock::now() + absl::ToChronoNanoseconds(timeout);
   while (true) {
     if (auto grant = Take(bytes); grant != nullptr) return grant;
     MutexLock lock(mutex_);
-    while (used_bytes_ + bytes > limit_bytes_) {
-      if (released_.wait_until(mutex_, deadline) == std::cv_status::timeout) return nullptr;
-    }
+    const auto is_free = [&] { return used_bytes_ + bytes <= limit_bytes_; };
+    if (!released_.wait_until(mutex_, stop, deadline, is_free)) return nullptr;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stop_token>
 
 #include "absl/time/time.h"
 #include "server/base/mutex.h"
@@ -21,8 +22,9 @@ class MemoryBudget : public std::enable_shared_from_this<MemoryBudget> {
   /// a large grant was for is then given back to the system, on the thread that let go of it.
   std::shared_ptr<void> Take(std::int64_t bytes);
 
-  /// Take(), waiting for at most `timeout`.
-  std::shared_ptr<void> TakeWithin(absl::Duration timeout, std::int64_t bytes);
+  /// Take(), waiting for at most `timeout` or until `stop` is requested.
+  std::shared_ptr<void> TakeWithin(absl::Duration timeout, std::int64_t bytes,
+                                   const std::stop_token& stop = {});
 
   /// Called after memory became free, on any thread; an empty function takes it back, and once
   /// that returned no call runs any more.

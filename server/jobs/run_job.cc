@@ -1,35 +1,17 @@
 #include "server/jobs/run_job.h"
 
-#include <exception>
-#include <functional>
-#include <memory>
-#include <new>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/base/status.h"
+#include "server/jobs/without_throwing.h"
 
 namespace ccst::server {
 namespace {
-
-// What `compute` returns; exceptions become errors.
-template <typename T>
-absl::StatusOr<T> WithoutThrowing(const std::function<absl::StatusOr<T>()>& compute) {
-  try {
-    return compute();
-  } catch (const std::bad_alloc&) {
-    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kOutOfMemory,
-                     "the computation needs more memory than there is; ask for fewer samples or "
-                     "send a smaller mesh");
-  } catch (const std::exception& e) {
-    return MakeError(absl::StatusCode::kInternal, ErrorReason::kInternal,
-                     std::string("the computation broke: ") + e.what());
-  } catch (...) {
-    return MakeError(absl::StatusCode::kInternal, ErrorReason::kInternal, "the computation broke");
-  }
-}
 
 // Keeps what happens in the job and tells the observer how long each phase took.
 class JobProgress : public ProgressSink {
@@ -76,38 +58,6 @@ class JobProgress : public ProgressSink {
   double since_;
 };
 
-absl::Status Stopped() {
-  return MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled, "stopped on request");
-}
-
-// What `decode` returns, or CANCELLED as soon as `stop` is requested; it then goes on alone.
-template <typename T>
-absl::StatusOr<T> RunUnlessStopped(Executor& executor, std::stop_token stop,
-                                   std::shared_ptr<void> grant,
-                                   std::function<absl::StatusOr<T>()> decode) {
-  struct Decoding {
-    Mutex mutex;
-    CondVar changed;
-    bool done ABSL_GUARDED_BY(mutex) = false;
-    absl::StatusOr<T> result ABSL_GUARDED_BY(mutex);
-  };
-  auto decoding = std::make_shared<Decoding>();
-  // The grant goes last: by then what nobody waits for any more is freed.
-  const auto run = [grant = std::move(grant), decode = std::move(decode), decoding] {
-    absl::StatusOr<T> result = WithoutThrowing<T>(decode);
-    MutexLock lock(decoding->mutex);
-    decoding->result = std::move(result);
-    decoding->done = true;
-    decoding->changed.notify_all();
-  };
-  if (!executor.Run(run)) run();
-  MutexLock lock(decoding->mutex);
-  if (!decoding->changed.wait(decoding->mutex, stop, [&] { return decoding->done; })) {
-    return Stopped();
-  }
-  return std::move(decoding->result);
-}
-
 std::vector<std::string> WarningsOf(const SamplingResult& result) {
   std::vector<std::string> warnings;
   const SurfaceSummary& surface = result.surface;
@@ -142,32 +92,13 @@ absl::StatusOr<JobResult> Compute(Job& job, const RunDependencies& dependencies,
                                   const RunInputs& inputs) {
   const auto seconds = dependencies.clock.seconds;
   const double start = seconds();
-  if (job.stop_token().stop_requested()) return Stopped();
+  if (job.stop_token().stop_requested()) return StoppedOnRequest();
   const JobSpec& spec = job.spec();
-  TriangleMesh mesh;
-  CCST_ASSIGN_OR_RETURN(mesh, RunUnlessStopped<TriangleMesh>(
-                                  inputs.decoders, job.stop_token(), inputs.grant,
-                                  [load = inputs.load, decode = dependencies.decode,
-                                   limits = dependencies.mesh_limits,
-                                   sha256 = spec.mesh_sha256]() -> absl::StatusOr<TriangleMesh> {
-                                    std::string bytes;
-                                    CCST_ASSIGN_OR_RETURN(bytes, load(sha256));
-                                    return decode(bytes, limits);
-                                  }));
+  JobInput input;
+  CCST_ASSIGN_OR_RETURN(input, LoadInput(spec, dependencies, inputs.source, job.stop_token()));
   SamplingOptions options = spec.options;
   options.thread_count = dependencies.threads_per_job;
-  if (!spec.texture_sha256.empty()) {
-    Image image;
-    CCST_ASSIGN_OR_RETURN(
-        image, RunUnlessStopped<Image>(inputs.decoders, job.stop_token(), inputs.grant,
-                                       [load = inputs.load, decode = dependencies.decode_image,
-                                        sha256 = spec.texture_sha256]() -> absl::StatusOr<Image> {
-                                         std::string bytes;
-                                         CCST_ASSIGN_OR_RETURN(bytes, load(sha256));
-                                         return decode(bytes);
-                                       }));
-    options.density.image = std::make_shared<const Image>(std::move(image));
-  }
+  options.density.image = std::move(input.image);
   JobResult result;
   result.queue_seconds = job.QueueSeconds();
   result.decode_seconds = seconds() - start;
@@ -175,9 +106,9 @@ absl::StatusOr<JobResult> Compute(Job& job, const RunDependencies& dependencies,
   JobProgress progress(job, inputs.observer, dependencies.clock);
   CCST_ASSIGN_OR_RETURN(
       result.run,
-      dependencies.sample(mesh, options, {.stop = job.stop_token(), .progress = &progress}));
+      dependencies.sample(input.mesh, options, {.stop = job.stop_token(), .progress = &progress}));
   progress.EndPhase();
-  if (result.run.termination == Termination::kStopped) return Stopped();
+  if (result.run.termination == Termination::kStopped) return StoppedOnRequest();
   const SampleSet& samples = result.run.samples;
   result.sample_count = static_cast<std::int64_t>(samples.faces.size());
   result.triangle_count = static_cast<std::int64_t>(samples.triangles.size());

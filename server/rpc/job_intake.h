@@ -6,6 +6,7 @@
 #include "ccst/v1/sampling_service.pb.h"
 #include "proto/convert/job_request.h"
 #include "server/auth/caller.h"
+#include "server/jobs/job_analyst.h"
 #include "server/jobs/job_manager.h"
 #include "server/meshes/mesh_store.h"
 
@@ -17,8 +18,9 @@ struct JobSupport {
   MeshStore& meshes;
   BlobStore& blobs;
   BlobPins& pins;
-  Executor& disk;   ///< Short work that blocks on the disk.
-  Executor& heavy;  ///< Long computations that are no jobs.
+  JobAnalyst& analyst;
+  Executor& disk;      ///< Short work that blocks on the disk.
+  Executor& analyses;  ///< Long work: what jobs left is measured.
   RequestLimits limits;
 };
 

@@ -1,5 +1,6 @@
 #include "server/rpc/sampling_service.h"
 
+#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -133,13 +134,16 @@ grpc::ServerUnaryReactor* SamplingService::DeleteJob(grpc::CallbackServerContext
 grpc::ServerUnaryReactor* SamplingService::AnalyzeJob(grpc::CallbackServerContext* context,
                                                       const v1::AnalyzeJobRequest* request,
                                                       v1::AnalyzeJobResponse* response) {
-  return ServeUnaryOn(jobs_.heavy, support_.calls, *context, "AnalyzeJob", Scope::kReadOnly,
-                      *request, *response, [this, request, response](Call& call) -> absl::Status {
-                        std::shared_ptr<Job> job;
-                        CCST_ASSIGN_OR_RETURN(job, FindJob(jobs_, request->name(), call));
-                        CCST_ASSIGN_OR_RETURN(*response, Analyze(jobs_, *job));
-                        return absl::OkStatus();
-                      });
+  return ServeStoppableOn(
+      jobs_.analyses, support_.calls, *context, "AnalyzeJob", Scope::kReadOnly, *request, *response,
+      [this, request, response](Call& call, const std::stop_token& stop) -> absl::Status {
+        std::shared_ptr<Job> job;
+        CCST_ASSIGN_OR_RETURN(job, FindJob(jobs_, request->name(), call));
+        JobFigures figures;
+        CCST_ASSIGN_OR_RETURN(figures, jobs_.analyst.Measure(*job, stop));
+        *response = ToProto(figures);
+        return absl::OkStatus();
+      });
 }
 
 }  // namespace ccst::server

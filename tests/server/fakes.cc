@@ -85,10 +85,11 @@ Job::Post PostNow() {
 }
 
 RunInputs FakeInputs(Executor& decoders, JobObserver& observer) {
-  return {.load = [](const std::string&) -> absl::StatusOr<std::string> { return "mesh"; },
-          .decoders = decoders,
-          .grant = nullptr,
-          .observer = observer};
+  return {
+      .source = {.load = [](const std::string&) -> absl::StatusOr<std::string> { return "mesh"; },
+                 .decoders = decoders,
+                 .grant = nullptr},
+      .observer = observer};
 }
 
 std::function<std::string()> CountingIds() {

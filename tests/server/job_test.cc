@@ -186,13 +186,13 @@ TEST(Job, StopDuringDecodingLeavesTheDecoderBehind) {
   SilentJobObserver observer;
   auto grant = std::make_shared<int>(0);
   RunInputs inputs = FakeInputs(decoders, observer);
-  inputs.grant = grant;
+  inputs.source.grant = grant;
   std::jthread canceller([&] {
     decoding.Wait();
     job->Cancel(StopCause::kCaller);
   });
   EXPECT_TRUE(absl::IsCancelled(RunJob(*job, dependencies, inputs).status()));
-  inputs.grant = nullptr;
+  inputs.source.grant = nullptr;
   EXPECT_GT(grant.use_count(), 1) << "what is left behind must count as memory in use";
   go.Open();
 }

@@ -56,6 +56,10 @@ def live(client, report):
     report.check(high and abs(sum(high) / len(high) - 1) < 0.1 and max(figures.radial_mean.y) > 1.5,
                  f"curves: mean power of high frequencies {sum(high) / max(1, len(high)):.3f}")
 
+    angles = figures.angle_histogram
+    report.check(len(angles.x) == len(angles.y) > 0 and abs(sum(angles.y) - 1) < 1e-9,
+                 f"angles: {len(angles.x)} bins hold all")
+
     listed = client.call(client.jobs.ListJobs, sampling_service_pb2.ListJobsRequest(
         labels={"kind": "test"}, mesh=mesh.name))
     report.check([j.name for j in listed.jobs] == [job.name], "listed by label and mesh")

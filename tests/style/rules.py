@@ -28,7 +28,7 @@ ROOMS = {
     "server/auth": ["server/base"],
     "server/log": ["server/base"],
     "server/metrics": ["server/base"],
-    "server/jobs": ["core/quality", "server/meshes", "server/metrics"],
+    "server/jobs": ["core/analysis", "server/meshes", "server/metrics"],
     "server/rpc": ["proto/convert", "server/auth", "server/jobs", "server/log", "server/metrics"],
     "server/app": ["server/rpc"],
     "server": ["server/app"],

@@ -46,6 +46,19 @@ TEST(Angles, TriangleWithoutAreaHasTheAngleZero) {
   EXPECT_NEAR(figures.share_above_90, 1.0 / 3.0, 1e-12);
 }
 
+TEST(Angles, HistogramCountsEveryAngleInItsBin) {
+  // A half of a square, and a triangle on a line.
+  const std::vector<Eigen::Vector3d> positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}};
+  const std::vector<Eigen::Vector3i> triangles = {{0, 1, 2}, {0, 1, 3}};
+  const AngleFigures figures = MeasureAngles(positions, triangles);
+  std::array<std::int64_t, AngleFigures::kBins> expected{};
+  expected[0] = 2;
+  expected[22] = 2;  // 45 degrees, twice.
+  expected[45] = 1;  // 90.
+  expected[AngleFigures::kBins - 1] = 1;
+  EXPECT_EQ(figures.histogram, expected);
+}
+
 TEST(Valences, IcosphereHasTwelveOfFiveAndElseSix) {
   const TriangleMesh mesh = shapes::Icosphere(3);
   const ValenceFigures figures =

@@ -1,7 +1,7 @@
 import { readFileSync, writeFileSync } from 'node:fs';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { dropFile, keepScreenshot, openBrowser, openPage } from '../support/browser';
+import { dropFile, keepScreenshot, openBrowser, openPage, seriesDrawn } from '../support/browser';
 import { asObj, asOff, torus } from '../support/meshes';
 import { ccst, Folder, Server, startGateway } from '../support/programs';
 
@@ -189,5 +189,36 @@ test('Page.Reference jobs stand beside the job', async () => {
   await page.reload();
   await expect.poll(() => row.count(), { timeout: 20_000 }).toBe(3);
   await keepScreenshot(page, 'quality');
+  await context.close();
+});
+
+test('Page.Curves of the references lie over those of the job', async () => {
+  const job = startJob('-n', '600', '--seed', '8');
+  const { page, errors, context } = await openPage(browser, urlOf(job));
+  await page.click('text=Compare with Poisson disk and white noise');
+  const all = ['This job', 'Poisson disk', 'White noise'];
+  for (const title of ['Radial mean', 'Anisotropy', 'Power spectrum']) {
+    await expect.poll(() => seriesDrawn(page, title), { timeout: 20_000 }).toEqual(all);
+  }
+  // The others have no triangles.
+  await expect.poll(() => seriesDrawn(page, 'Angles')).toEqual(['This job']);
+  // Plot and legend fill the box, however many lines the legend takes.
+  const left = await page.locator('.chart').evaluateAll((charts) =>
+    charts.map((c) => c.clientHeight - (c.querySelector<HTMLElement>('.uplot')?.offsetHeight ?? 0)),
+  );
+  for (const pixels of left) expect(Math.abs(pixels)).toBeLessThan(10);
+  await keepScreenshot(page, 'curves');
+  expect(errors).toEqual([]);
+  await context.close();
+});
+
+test('Page.Poisson disks have a spectrum', async () => {
+  const job = startJob('-n', '600', '--method', 'poisson');
+  const { page, errors, context } = await openPage(browser, urlOf(job));
+  for (const title of ['Radial mean', 'Power spectrum']) {
+    await expect.poll(() => seriesDrawn(page, title), { timeout: 20_000 }).toEqual(['This job']);
+  }
+  expect(await seriesDrawn(page, 'Angles')).toEqual([]);
+  expect(errors).toEqual([]);
   await context.close();
 });

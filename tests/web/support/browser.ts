@@ -59,3 +59,26 @@ export async function keepScreenshot(page: Page, name: string): Promise<void> {
   mkdirSync(folder, { recursive: true });
   await page.screenshot({ path: `${folder}/${name}.png`, fullPage: true });
 }
+
+/** The series of the chart under `title` that are on its canvas, by the words of the legend. */
+export async function seriesDrawn(page: Page, title: string): Promise<string[]> {
+  const charts = page.locator(`figure:has(figcaption:text-is("${title}")) .chart`);
+  if ((await charts.count()) === 0) return [];
+  return charts.first().evaluate((chart) => {
+    const canvas = chart.querySelector('canvas');
+    const context = canvas?.getContext('2d');
+    if (!canvas || !context || canvas.width === 0) return [];
+    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+    const labels = [...chart.querySelectorAll('.u-series .u-label')].slice(1);
+    return labels.flatMap((label, i) => {
+      const colour = getComputedStyle(chart).getPropertyValue(`--chart-${i + 1}`);
+      const rgb = (colour.match(/[\d.]+/g) ?? []).map(Number);
+      let pixels = 0;
+      for (let at = 0; at < data.length; at += 4) {
+        const distance = rgb.reduce((sum, c, k) => sum + Math.abs(c - (data[at + k] ?? 0)), 0);
+        if (data[at + 3] === 255 && distance < 12) ++pixels;
+      }
+      return pixels > 20 ? [label.textContent ?? ''] : [];
+    });
+  });
+}

@@ -85,7 +85,10 @@ export class Chart {
 
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.box;
-    if (width > 0 && height > 0) this.plot.setSize({ width, height: height - this.legendHeight() });
+    if (width === 0 || height === 0) return;
+    this.plot.setSize({ width, height: this.plot.height });
+    // How many lines the legend takes follows from the width, which the plot sets in a microtask.
+    queueMicrotask(() => this.plot.setSize({ width, height: height - this.legendHeight() }));
   }
 
   private legendHeight(): number {

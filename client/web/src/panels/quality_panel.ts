@@ -4,7 +4,7 @@ import { AnalyzeJobResponseSchema, type AnalyzeJobResponse } from '@api/sampling
 import { jobsApi } from '../api/clients';
 import { explain, type Explanation } from '../api/explain';
 import { Chart, onOneAxis } from '../charts/chart';
-import { curvesOf, curveTitle } from '../job/curves';
+import { curvesOf, curveWords } from '../job/curves';
 import { QUALITY_FIGURES } from '../job/quality_figures';
 import {
   analyzeWhenEnded,
@@ -120,12 +120,13 @@ export class QualityPanel {
     for (const name of new Set(shown.flatMap((s) => s.curves.map((c) => c.name)))) {
       const having = shown.filter((s) => s.curves.some((c) => c.name === name));
       const figureBox = document.createElement('figure');
+      const { title, axis } = curveWords(name);
       figureBox.innerHTML = `<figcaption></figcaption><div class="chart curve"></div>`;
-      find(figureBox, 'figcaption').textContent = curveTitle(name);
+      find(figureBox, 'figcaption').textContent = title;
       box.append(figureBox);
       const chart = new Chart(find(figureBox, '.chart'), {
-        title: curveTitle(name),
-        xLabel: 'x',
+        title,
+        xLabel: axis,
         series: having.map((s, i) => ({ label: s.title, colour: colours[i] ?? '--chart-1' })),
       });
       const curves = having.flatMap((s) => s.curves.filter((c) => c.name === name));
