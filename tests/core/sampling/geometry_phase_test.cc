@@ -110,8 +110,8 @@ void ExpectNewtonStep(const TriangleMesh& mesh, std::int64_t count, double k1, d
     hessian(1, 1) = (at(0, e) - 2 * at(0, 0) + at(0, -e)) / (e * e);
     hessian(0, 1) = hessian(1, 0) = (at(e, e) - at(e, -e) - at(-e, e) + at(-e, -e)) / (4 * e * e);
     const Eigen::Vector2d expected = -hessian.inverse() * gradient;
-    // Longer steps are cut short.
-    if (expected.norm() > 0.3 * spacing) continue;
+    // Longer steps are cut short; shorter ones stay on a face, which is flat.
+    if (expected.norm() > 0.3 * spacing || expected.norm() < 0.01 * spacing) continue;
     GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kSquaredArea,
                            &start.mesh, &start.samples, &sampling_test::kOneThread);
     geometry.stretch = 1.0;
