@@ -56,18 +56,19 @@ Curve OverRMax(Curve curve) {
 // Adds up what is measured of sets, one by one.
 class Sum {
  public:
-  Sum(const ReferenceSurface& reference, const FigureOptions& options, std::int64_t count,
-      std::size_t sets)
+  Sum(const ReferenceSurface& reference, const FigureOptions& options, const Parallel& parallel,
+      std::int64_t count, std::size_t sets)
       : reference_(reference),
         options_(options),
+        parallel_(parallel),
         share_(1.0 / static_cast<double>(sets)),
         differentials_(count) {}
 
   void Add(const SampleSetView& set) {
     const std::vector<Eigen::Vector3d> positions = reference_.ToFrame(set.positions);
-    const std::vector<SurfacePoint> points = reference_.Locate(positions);
+    const std::vector<SurfacePoint> points = reference_.Locate(positions, parallel_);
     AddDistances(positions, points);
-    differentials_.AddSurface(reference_.surface(), reference_.density(), points);
+    differentials_.AddSurface(reference_.surface(), reference_.density(), points, parallel_);
     figures_.density_fidelity +=
         share_ * MeasureDensityFidelity(reference_.surface(), reference_.density(), points);
     if (!set.triangles.empty()) AddMesh(positions, set.triangles, points);
@@ -108,7 +109,7 @@ class Sum {
       if (!reference_.density().uniform()) scales.push_back(1.0 / std::sqrt(DensityAt(point)));
     }
     const quality::DistanceFigures distances = quality::MeasureDistances(
-        positions, normals, surface.area(), Eigen::Vector3d::Zero(), scales);
+        positions, normals, surface.area(), Eigen::Vector3d::Zero(), scales, parallel_);
     figures_.relative_radius += share_ * distances.relative_radius;
     figures_.relative_radius_same_side += share_ * distances.relative_radius_same_side;
     figures_.mean_nearest_distance += share_ * distances.mean_nearest_distance;
@@ -165,8 +166,8 @@ class Sum {
       }
     }
     if (!options_.surface_distance) return;
-    const quality::SurfaceDistanceFigures distance =
-        quality::MeasureSurfaceDistance(reference_.mesh(), reference_.tree(), positions, triangles);
+    const quality::SurfaceDistanceFigures distance = quality::MeasureSurfaceDistance(
+        reference_.mesh(), reference_.tree(), positions, triangles, 0.0, parallel_);
     const double diagonal = reference_.surface().diagonal();
     mesh.hausdorff = mesh.hausdorff.value_or(0.0) + share_ * distance.hausdorff / diagonal;
     mesh.rms = mesh.rms.value_or(0.0) + share_ * distance.rms / diagonal;
@@ -174,6 +175,7 @@ class Sum {
 
   const ReferenceSurface& reference_;
   const FigureOptions options_;
+  const Parallel& parallel_;
   const double share_;
   Differentials differentials_;
   SampleFigures figures_;
@@ -186,9 +188,9 @@ class Sum {
 }  // namespace
 
 SampleFigures MeasureSamples(const ReferenceSurface& reference, std::span<const SampleSetView> sets,
-                             const FigureOptions& options) {
+                             const FigureOptions& options, const Parallel& parallel) {
   const auto count = static_cast<std::int64_t>(sets.front().positions.size());
-  Sum sum(reference, options, count, sets.size());
+  Sum sum(reference, options, parallel, count, sets.size());
   for (const SampleSetView& set : sets) sum.Add(set);
   SampleFigures figures = std::move(sum).Finish();
   figures.count = count;

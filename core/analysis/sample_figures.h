@@ -9,6 +9,7 @@
 
 #include "core/analysis/curve.h"
 #include "core/analysis/reference_surface.h"
+#include "core/parallel/parallel.h"
 
 namespace ccst::analysis {
 
@@ -66,8 +67,10 @@ struct FigureOptions {
 /// figures means over the sets, but for smallest angle and q_min, which are the smallest. Sets
 /// should have about equally many samples.
 /// Cost about 3 s for a set of 1e5 samples and its mesh, 1 s without a mesh, 12 s on a surface of
-/// 1.3 million faces; most of what the mesh adds is the surface distance.
+/// 1.3 million faces; most of what the mesh adds is the surface distance. The same bits on any
+/// number of threads.
 SampleFigures MeasureSamples(const ReferenceSurface& reference, std::span<const SampleSetView> sets,
-                             const FigureOptions& options = {});
+                             const FigureOptions& options = {},
+                             const Parallel& parallel = Parallel());
 
 }  // namespace ccst::analysis
