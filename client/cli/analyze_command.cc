@@ -14,6 +14,7 @@
 #include "core/io/atomic_file.h"
 #include "core/io/mesh_file.h"
 #include "core/io/sample_file.h"
+#include "core/parallel/parallel.h"
 #include "core/repair/repair.h"
 #include "core/sampling/density_source.h"
 #include "core/sampling/source_map.h"
@@ -22,9 +23,10 @@ namespace ccst::cli {
 namespace {
 
 absl::StatusOr<analysis::ReferenceSurface> MakeReference(const TriangleMesh& mesh,
-                                                         const DensityOptions& options) {
-  CCST_ASSIGN_OR_RETURN(const RepairedMesh repaired, Repair(mesh));
-  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh));
+                                                         const DensityOptions& options,
+                                                         const Parallel& parallel) {
+  CCST_ASSIGN_OR_RETURN(const RepairedMesh repaired, Repair(mesh, {}, nullptr, parallel));
+  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, nullptr, parallel));
   CCST_ASSIGN_OR_RETURN(Density density,
                         MakeDensity(mesh, SourceMap(mesh, repaired), surface, options));
   return analysis::ReferenceSurface(std::move(surface), std::move(density));
@@ -52,7 +54,7 @@ struct GivenSurface {
 };
 
 absl::StatusOr<report::Row> Judge(const SampleGroup& group, const GivenSurface* given,
-                                  bool with_picture) {
+                                  bool with_picture, const Parallel& parallel) {
   std::vector<TriangleMesh> files;
   for (const std::string& path : group.paths) {
     CCST_ASSIGN_OR_RETURN(TriangleMesh file, ReadSamplesFile(path));
@@ -65,7 +67,7 @@ absl::StatusOr<report::Row> Judge(const SampleGroup& group, const GivenSurface* 
   sets.reserve(files.size());
   for (const TriangleMesh& file : files) sets.push_back({file.positions, file.faces});
   if (given != nullptr) {
-    row.figures = analysis::MeasureSamples(given->reference, sets);
+    row.figures = analysis::MeasureSamples(given->reference, sets, {}, parallel);
     if (with_picture) {
       CCST_ASSIGN_OR_RETURN(row.picture, Draw(given->mesh, given->reference, files.front()));
     }
@@ -73,8 +75,8 @@ absl::StatusOr<report::Row> Judge(const SampleGroup& group, const GivenSurface* 
   }
   if (files.front().faces.empty()) return row;  // On what they lie is not known.
   CCST_ASSIGN_OR_RETURN(const analysis::ReferenceSurface own,
-                        MakeReference(files.front(), DensityOptions()));
-  row.figures = analysis::MeasureSamples(own, sets, {.surface_distance = false});
+                        MakeReference(files.front(), DensityOptions(), parallel));
+  row.figures = analysis::MeasureSamples(own, sets, {.surface_distance = false}, parallel);
   if (with_picture) {
     CCST_ASSIGN_OR_RETURN(row.picture, Draw(files.front(), own, files.front()));
   }
@@ -82,6 +84,7 @@ absl::StatusOr<report::Row> Judge(const SampleGroup& group, const GivenSurface* 
 }
 
 absl::StatusOr<std::vector<report::Row>> JudgeAll(const AnalyzeCommand& command) {
+  const Parallel parallel(command.thread_count);
   std::optional<GivenSurface> given;
   if (!command.surface.empty()) {
     DensityOptions density = command.density;
@@ -89,13 +92,14 @@ absl::StatusOr<std::vector<report::Row>> JudgeAll(const AnalyzeCommand& command)
       CCST_RETURN_IF_ERROR(ReadTexture(command.texture_path, density));
     }
     CCST_ASSIGN_OR_RETURN(MeshFile file, ReadMeshFile(command.surface));
-    CCST_ASSIGN_OR_RETURN(analysis::ReferenceSurface reference, MakeReference(file.mesh, density));
+    CCST_ASSIGN_OR_RETURN(analysis::ReferenceSurface reference,
+                          MakeReference(file.mesh, density, parallel));
     given.emplace(GivenSurface{std::move(file.mesh), std::move(reference)});
   }
   std::vector<report::Row> rows;
   for (const SampleGroup& group : command.groups) {
     CCST_ASSIGN_OR_RETURN(report::Row row, Judge(group, given.has_value() ? &*given : nullptr,
-                                                 !command.html_path.empty()));
+                                                 !command.html_path.empty(), parallel));
     if (!row.figures.has_value()) {
       std::fprintf(stderr,
                    "%s has no faces: nothing but the count is known without --surface MESH\n",

@@ -1,7 +1,9 @@
 #include "client/cli/analyze_flags.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <sstream>
+#include <thread>
 
 #include <CLI/CLI.hpp>
 
@@ -24,6 +26,9 @@ void AddFlags(CLI::App& sub, AnalyzeFlags& flags) {
       ->type_name("FILE");
   sub.add_option("--html", c.html_path, "Write one page with curves, pictures and a table")
       ->type_name("FILE");
+  sub.add_option("--threads", flags.threads, "Threads; by default all cores")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024).description(""));
 }
 
 // [NAME=]FILE[,FILE...]
@@ -71,6 +76,8 @@ bool IsAnalyzeCommand(const CLI::App& app) {
 
 AnalyzeCommand FinishAnalyzeCommand(const CLI::App& app, const AnalyzeFlags& flags) {
   AnalyzeCommand command = flags.command;
+  command.thread_count =
+      flags.threads.value_or(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   for (const std::string& set : flags.sets) {
     if (app.got_subcommand(kCompare)) {
       command.groups.push_back(ParseSet(set));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ namespace ccst::cli {
 struct AnalyzeFlags {
   AnalyzeCommand command;
   std::vector<std::string> sets;
+  std::optional<int> threads;
 };
 
 /// Adds both commands; `flags` must outlive the app.

@@ -110,6 +110,7 @@ struct AnalyzeCommand {
   std::string texture_path;
   std::string json_path;  ///< Empty: none; as below.
   std::string html_path;
+  int thread_count = 1;
 };
 
 /// Nothing to do: help or the version was printed, or the command line was wrong and the error

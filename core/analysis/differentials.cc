@@ -19,6 +19,8 @@ constexpr std::int64_t kMostCenters = 8000;
 constexpr double kMostFaces = 1e7;
 // Points at which the area is counted, per sample.
 constexpr double kAreaPoints = 4.0;
+// Centres from which one thread looks in one go.
+constexpr std::int64_t kPiece = 128;
 // Directions are told apart in cells; no ring has more.
 constexpr std::size_t kMostCells = 1u << 16;
 
@@ -99,19 +101,25 @@ void Differentials::CountDistance(double distance, double pairs) {
   if (bin < pairs_.size()) pairs_[bin] += pairs;
 }
 
-// To be called for one of the two ends only: counts of pairs seen twice would vary more.
-void Differentials::CountDirection(const Eigen::Vector2d& difference) {
+// The cell of cells_ in which a difference lies, -1 beyond the last ring.
+std::int64_t Differentials::CellOf(const Eigen::Vector2d& difference) const {
   const auto ring = static_cast<std::size_t>(difference.norm() / kRingWidth);
-  if (ring + 1 >= ring_.size()) return;
+  if (ring + 1 >= ring_.size()) return -1;
   double turn = std::atan2(difference.y(), difference.x()) / kPi;  // In [-1, 1].
   turn -= std::floor(turn);
   const std::size_t cells = ring_[ring + 1] - ring_[ring];
   const auto cell = static_cast<std::size_t>(turn * static_cast<double>(cells));
-  cells_[ring_[ring] + std::min(cell, cells - 1)] += 1.0;
+  return static_cast<std::int64_t>(ring_[ring] + std::min(cell, cells - 1));
+}
+
+// To be called for one of the two ends only: counts of pairs seen twice would vary more.
+void Differentials::CountDirection(const Eigen::Vector2d& difference) {
+  const std::int64_t cell = CellOf(difference);
+  if (cell >= 0) cells_[static_cast<std::size_t>(cell)] += 1.0;
 }
 
 void Differentials::AddSurface(const Surface& surface, const Density& density,
-                               std::span<const SurfacePoint> samples) {
+                               std::span<const SurfacePoint> samples, const Parallel& parallel) {
   ++sets_;
   if (samples.empty()) return;
   const Content content = Place(surface, density, samples);
@@ -121,13 +129,19 @@ void Differentials::AddSurface(const Surface& surface, const Density& density,
   const auto stride = static_cast<std::size_t>(std::max(1.0, std::ceil(count / most)));
   // Where the density varies, the mean of two spacings may be larger than that of the centre.
   const double margin = density.uniform() ? 1.0 : 1.5;
-  GeodesicDisc disc(surface);
-  for (std::size_t i = 0; i < samples.size(); i += stride) {
+  const auto centers = static_cast<std::int64_t>((samples.size() + stride - 1) / stride);
+  // What is seen from a piece of the centres; added in the order of pieces.
+  struct Seen {
+    std::vector<double> pairs;
+    std::vector<double> expected;
+    std::vector<std::int64_t> cells;
+  };
+  std::vector<Seen> pieces(static_cast<std::size_t>((centers + kPiece - 1) / kPiece));
+  const auto look = [&](std::size_t i, GeodesicDisc& disc, Seen& seen) {
     const SurfacePoint& center = samples[i];
     const double spacing = std::sqrt(
         surface.area() / count / density.At(center.face, center.weights, surface.area() / count));
     const double radius = margin * reach_ * spacing;
-    centers_ += 1.0;
     for (const FlatFace& flat : disc.Unfold(center, radius)) {
       const auto f = static_cast<std::size_t>(flat.face);
       for (std::size_t k = content.start[f]; k < content.start[f + 1]; ++k) {
@@ -137,15 +151,32 @@ void Differentials::AddSurface(const Surface& surface, const Density& density,
         const double squared = place.squaredNorm();
         if (squared >= radius * radius) continue;
         const double scale = 2.0 / (spacing + item.spacing);
-        if (item.index >= 0) {
-          CountDistance(std::sqrt(squared) * scale, 1.0);
-          if (item.index > static_cast<std::int32_t>(i)) CountDirection(place * scale);
-          continue;
-        }
         const auto bin = static_cast<std::size_t>(std::sqrt(squared) * scale / kBinWidth);
-        if (bin < expected_.size()) expected_[bin] += item.samples;
+        if (bin < seen.pairs.size()) {
+          (item.index >= 0 ? seen.pairs[bin] : seen.expected[bin]) +=
+              item.index >= 0 ? 1.0 : item.samples;
+        }
+        if (item.index <= static_cast<std::int32_t>(i)) continue;
+        const std::int64_t cell = CellOf(place * scale);
+        if (cell >= 0) seen.cells.push_back(cell);
       }
     }
+  };
+  parallel.ForRanges(centers, kPiece, [&](std::int64_t first, std::int64_t end) {
+    Seen& seen = pieces[static_cast<std::size_t>(first / kPiece)];
+    seen.pairs.assign(pairs_.size(), 0.0);
+    seen.expected.assign(expected_.size(), 0.0);
+    GeodesicDisc disc(surface);
+    for (std::int64_t c = first; c < end; ++c)
+      look(static_cast<std::size_t>(c) * stride, disc, seen);
+  });
+  centers_ += static_cast<double>(centers);
+  for (const Seen& seen : pieces) {
+    for (std::size_t bin = 0; bin < pairs_.size(); ++bin) {
+      pairs_[bin] += seen.pairs[bin];
+      expected_[bin] += seen.expected[bin];
+    }
+    for (const std::int64_t cell : seen.cells) cells_[static_cast<std::size_t>(cell)] += 1.0;
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/analysis/curve.h"
 #include "core/density/density.h"
+#include "core/parallel/parallel.h"
 #include "core/surface/surface.h"
 
 namespace ccst::analysis {
@@ -41,10 +42,11 @@ class Differentials {
 
   /// Adds a set on a surface. Of more than 8000 samples, or where a disc has many faces, not all
   /// are centres, but every k-th: at most 8000, and no more than have 1e7 faces in their discs. All
-  /// samples are seen from these. Cost at most about 1 s, 3 s where faces are the bound.
+  /// samples are seen from these. Cost at most about 1 s, 3 s where faces are the bound; the same
+  /// bits on any number of threads.
   /// @param density  that the set follows, of `surface`.
   void AddSurface(const Surface& surface, const Density& density,
-                  std::span<const SurfacePoint> samples);
+                  std::span<const SurfacePoint> samples, const Parallel& parallel = Parallel());
 
   /// Adds a set in the plane whose rectangle [0, extents) is repeated on all sides.
   /// @param positions  n x 2. @param extents > 0; distances up to half the smaller one are counted.
@@ -82,6 +84,7 @@ class Differentials {
  private:
   void CountDistance(double distance, double pairs);
   void CountDirection(const Eigen::Vector2d& difference);
+  std::int64_t CellOf(const Eigen::Vector2d& difference) const;
 
   double reach_ = 0.0;
   int sets_ = 0;

@@ -4,6 +4,12 @@
 #include <utility>
 
 namespace ccst::analysis {
+namespace {
+
+// Points that one thread looks up in one go.
+constexpr std::int64_t kPiece = 1024;
+
+}  // namespace
 
 ReferenceSurface::ReferenceSurface(Surface surface, Density density)
     : surface_(std::move(surface)),
@@ -20,14 +26,17 @@ std::vector<Eigen::Vector3d> ReferenceSurface::ToFrame(
   return moved;
 }
 
-std::vector<SurfacePoint> ReferenceSurface::Locate(
-    std::span<const Eigen::Vector3d> positions) const {
-  std::vector<SurfacePoint> points;
-  points.reserve(positions.size());
-  for (const Eigen::Vector3d& p : positions) {
-    const quality::TriangleTree::Hit hit = tree_.FindClosest(p);
-    points.push_back(surface_.ClosestOnFace(static_cast<std::int32_t>(hit.triangle), p));
-  }
+std::vector<SurfacePoint> ReferenceSurface::Locate(std::span<const Eigen::Vector3d> positions,
+                                                   const Parallel& parallel) const {
+  std::vector<SurfacePoint> points(positions.size());
+  parallel.ForRanges(
+      static_cast<std::int64_t>(positions.size()), kPiece,
+      [&](std::int64_t first, std::int64_t end) {
+        for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i) {
+          const auto hit = tree_.FindClosest(positions[i]);
+          points[i] = surface_.ClosestOnFace(static_cast<std::int32_t>(hit.triangle), positions[i]);
+        }
+      });
   return points;
 }
 

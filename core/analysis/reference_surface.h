@@ -7,6 +7,7 @@
 
 #include "core/density/density.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/parallel/parallel.h"
 #include "core/quality/triangle_tree.h"
 #include "core/surface/surface.h"
 
@@ -29,7 +30,8 @@ class ReferenceSurface {
 
   /// The points of the surface nearest to `positions`, which are in its frame.
   /// Cost O(n log F).
-  std::vector<SurfacePoint> Locate(std::span<const Eigen::Vector3d> positions) const;
+  std::vector<SurfacePoint> Locate(std::span<const Eigen::Vector3d> positions,
+                                   const Parallel& parallel = Parallel()) const;
 
  private:
   Surface surface_;

@@ -56,10 +56,11 @@ Curve OverRMax(Curve curve) {
 // Adds up what is measured of sets, one by one.
 class Sum {
  public:
-  Sum(const ReferenceSurface& reference, const FigureOptions& options, std::int64_t count,
-      std::size_t sets, Interrupt* interrupt)
+  Sum(const ReferenceSurface& reference, const FigureOptions& options, const Parallel& parallel,
+      Interrupt* interrupt, std::int64_t count, std::size_t sets)
       : reference_(reference),
         options_(options),
+        parallel_(parallel),
         interrupt_(interrupt),
         share_(1.0 / static_cast<double>(sets)),
         differentials_(count) {}
@@ -67,11 +68,11 @@ class Sum {
   void Add(const SampleSetView& set) {
     if (Stopped()) return;
     const std::vector<Eigen::Vector3d> positions = reference_.ToFrame(set.positions);
-    const std::vector<SurfacePoint> points = reference_.Locate(positions);
+    const std::vector<SurfacePoint> points = reference_.Locate(positions, parallel_);
     if (Stopped()) return;
     AddDistances(positions, points);
     if (Stopped()) return;
-    differentials_.AddSurface(reference_.surface(), reference_.density(), points);
+    differentials_.AddSurface(reference_.surface(), reference_.density(), points, parallel_);
     if (Stopped()) return;
     figures_.density_fidelity +=
         share_ * MeasureDensityFidelity(reference_.surface(), reference_.density(), points);
@@ -116,7 +117,7 @@ class Sum {
       if (!reference_.density().uniform()) scales.push_back(1.0 / std::sqrt(DensityAt(point)));
     }
     const quality::DistanceFigures distances = quality::MeasureDistances(
-        positions, normals, surface.area(), Eigen::Vector3d::Zero(), scales);
+        positions, normals, surface.area(), Eigen::Vector3d::Zero(), scales, parallel_);
     figures_.relative_radius += share_ * distances.relative_radius;
     figures_.relative_radius_same_side += share_ * distances.relative_radius_same_side;
     figures_.mean_nearest_distance += share_ * distances.mean_nearest_distance;
@@ -167,8 +168,8 @@ class Sum {
     }
     AddCapacities(positions, triangles, densities, capacity.mean);
     if (!options_.surface_distance || Stopped()) return;
-    const quality::SurfaceDistanceFigures distance =
-        quality::MeasureSurfaceDistance(reference_.mesh(), reference_.tree(), positions, triangles);
+    const quality::SurfaceDistanceFigures distance = quality::MeasureSurfaceDistance(
+        reference_.mesh(), reference_.tree(), positions, triangles, 0.0, parallel_);
     const double diagonal = reference_.surface().diagonal();
     mesh.hausdorff = mesh.hausdorff.value_or(0.0) + share_ * distance.hausdorff / diagonal;
     mesh.rms = mesh.rms.value_or(0.0) + share_ * distance.rms / diagonal;
@@ -189,6 +190,7 @@ class Sum {
 
   const ReferenceSurface& reference_;
   const FigureOptions options_;
+  const Parallel& parallel_;
   Interrupt* const interrupt_;
   const double share_;
   Differentials differentials_;
@@ -202,9 +204,10 @@ class Sum {
 }  // namespace
 
 SampleFigures MeasureSamples(const ReferenceSurface& reference, std::span<const SampleSetView> sets,
-                             const FigureOptions& options, Interrupt* interrupt) {
+                             const FigureOptions& options, const Parallel& parallel,
+                             Interrupt* interrupt) {
   const auto count = static_cast<std::int64_t>(sets.front().positions.size());
-  Sum sum(reference, options, count, sets.size(), interrupt);
+  Sum sum(reference, options, parallel, interrupt, count, sets.size());
   for (const SampleSetView& set : sets) sum.Add(set);
   SampleFigures figures = std::move(sum).Finish();
   figures.count = count;

@@ -10,6 +10,9 @@
 namespace ccst::quality {
 namespace {
 
+// Samples whose neighbours one thread looks for in one go.
+constexpr std::int64_t kPiece = 1024;
+
 // nanoflann's view of the positions.
 struct PointCloud {
   std::span<const Eigen::Vector3d> points;
@@ -49,8 +52,8 @@ class NearestOther {
 
   NearestOther(std::int32_t self, const Metric& metric, double bound)
       : self_(self),
-        metric_(metric),
-        reach_(metric.Divisor(self, metric.largest_scale)),
+        metric_(&metric),
+        reach_(self < 0 ? 0.0 : metric.Divisor(self, metric.largest_scale)),
         squared_(bound) {}
 
   std::size_t size() const { return index_ < 0 ? 0 : 1; }
@@ -58,10 +61,10 @@ class NearestOther {
   double worstDist() const { return squared_ * reach_; }
   bool addPoint(double squared, std::int32_t index) {
     if (index == self_) return true;
-    if (!metric_.scales.empty()) squared /= metric_.Divisor(self_, metric_.scales[index]);
+    if (!metric_->scales.empty()) squared /= metric_->Divisor(self_, metric_->scales[index]);
     if (squared > squared_) return true;
     if (squared == squared_ && index_ >= 0 && index > index_) return true;
-    const auto& normals = metric_.normals;
+    const auto& normals = metric_->normals;
     if (!normals.empty() && !(normals[self_].dot(normals[index]) > 0.0)) return true;
     squared_ = squared;
     index_ = index;
@@ -73,7 +76,7 @@ class NearestOther {
 
  private:
   std::int32_t self_;
-  const Metric& metric_;
+  const Metric* metric_;
   double reach_;    // Square of the largest divisor there may be.
   double squared_;  // Of the distance, divided.
   std::int32_t index_ = -1;
@@ -110,16 +113,13 @@ void KeepCloser(std::int32_t self, const NearestOther& nearest, SamplePair& pair
   pair = {std::min(self, nearest.index()), std::max(self, nearest.index()), distance};
 }
 
-// The closest pair; what is found bounds every further search. Of those looked at when `interrupt`,
-// which may be null, was requested.
+// The closest pair among images too; what is found bounds every further search.
 SamplePair ClosestPair(const Tree& tree, std::span<const Eigen::Vector3d> positions,
-                       std::span<const Eigen::Vector3d> images, const Metric& metric,
-                       Interrupt* interrupt = nullptr) {
+                       std::span<const Eigen::Vector3d> images, const Metric& metric) {
   SamplePair pair;
   double bound = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const auto self = static_cast<std::int32_t>(i);
-    if (interrupt != nullptr && interrupt->RequestedAt(self)) break;
     const NearestOther nearest =
         FindNearest(tree, positions[i], images, NearestOther(self, metric, bound));
     bound = std::min(bound, nearest.squared());
@@ -134,21 +134,10 @@ double HexagonalSpacing(double area, std::int64_t count) {
   return std::sqrt(2.0 * area / (std::sqrt(3.0) * static_cast<double>(count)));
 }
 
-SamplePair FindClosestSameSide(std::span<const Eigen::Vector3d> positions,
-                               std::span<const Eigen::Vector3d> normals,
-                               std::span<const double> scales, Interrupt* interrupt) {
-  if (interrupt != nullptr && interrupt->Requested()) return {};
-  const PointCloud cloud{positions};
-  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(8));
-  Metric metric{normals, scales};
-  if (!scales.empty()) metric.largest_scale = *std::max_element(scales.begin(), scales.end());
-  return ClosestPair(tree, positions, Images(Eigen::Vector3d::Zero()), metric, interrupt);
-}
-
 DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
                                  std::span<const Eigen::Vector3d> normals, double area,
                                  const Eigen::Vector3d& periodic_box,
-                                 std::span<const double> scales) {
+                                 std::span<const double> scales, const Parallel& parallel) {
   DistanceFigures figures;
   if (positions.empty()) return figures;
   const auto count = static_cast<std::int32_t>(positions.size());
@@ -163,16 +152,25 @@ DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
   Metric same = all;
   same.normals = normals;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::vector<NearestOther> nearest(positions.size(), NearestOther(-1, all, kInfinity));
+  parallel.ForRanges(count, kPiece, [&](std::int64_t first, std::int64_t end) {
+    for (auto i = static_cast<std::int32_t>(first); i < static_cast<std::int32_t>(end); ++i) {
+      nearest[i] = FindNearest(tree, positions[i], images, NearestOther(i, all, kInfinity));
+    }
+  });
   double sum = 0.0;
   for (std::int32_t i = 0; i < count; ++i) {
-    const NearestOther any =
-        FindNearest(tree, positions[i], images, NearestOther(i, all, kInfinity));
-    figures.nearest.push_back(std::sqrt(any.squared()) / figures.r_max);
-    sum += std::sqrt(any.squared());
-    KeepCloser(i, any, figures.closest);
+    figures.nearest.push_back(std::sqrt(nearest[i].squared()) / figures.r_max);
+    sum += std::sqrt(nearest[i].squared());
+    KeepCloser(i, nearest[i], figures.closest);
   }
-  figures.closest_same_side =
-      normals.empty() ? figures.closest : ClosestPair(tree, positions, images, same);
+  if (normals.empty()) {
+    figures.closest_same_side = figures.closest;
+  } else if (images.size() == 1) {
+    figures.closest_same_side = FindClosestSameSide(positions, normals, scales, nullptr, parallel);
+  } else {
+    figures.closest_same_side = ClosestPair(tree, positions, images, same);
+  }
   figures.relative_radius = figures.closest.distance / figures.r_max;
   figures.relative_radius_same_side = figures.closest_same_side.distance / figures.r_max;
   figures.mean_nearest_distance = sum / count / figures.r_max;

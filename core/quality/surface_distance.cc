@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -13,28 +15,50 @@ namespace {
 constexpr double kDefaultPoints = 1e5;
 // No face gets more rows, or points in a row: a needle shall not ask for billions.
 constexpr double kMaxSteps = 2000.0;
+// Faces or triangles are cut into this many pieces for threads, or more where they are many.
+constexpr std::int64_t kPieces = 64;
+constexpr std::int64_t kLargestPiece = 1024;
 
 // Collects weighted squares and the largest of distances to one tree.
 class Accumulator {
  public:
-  explicit Accumulator(const TriangleTree& tree) : tree_(tree) {}
+  explicit Accumulator(const TriangleTree& tree) : tree_(&tree) {}
 
   void Add(const Eigen::Vector3d& point, double weight) {
-    const double distance = tree_.FindClosest(point).distance;
+    const double distance = tree_->FindClosest(point).distance;
     largest_ = std::max(largest_, distance);
     squares_ += weight * distance * distance;
     weights_ += weight;
+  }
+  // What was collected after this.
+  void Append(const Accumulator& other) {
+    largest_ = std::max(largest_, other.largest_);
+    squares_ += other.squares_;
+    weights_ += other.weights_;
   }
   OneSidedDistance Result() const {
     return {largest_, weights_ > 0.0 ? std::sqrt(squares_ / weights_) : 0.0};
   }
 
  private:
-  const TriangleTree& tree_;
+  const TriangleTree* tree_;
   double largest_ = 0.0;
   double squares_ = 0.0;
   double weights_ = 0.0;
 };
+
+// Adds add(i, accumulator) for all i in [0, count), in pieces that follow from `count` alone.
+template <typename Add>
+void AddAll(std::int64_t count, const Parallel& parallel, const TriangleTree& tree, const Add& add,
+            Accumulator& out) {
+  const std::int64_t size = std::clamp<std::int64_t>(count / kPieces, 1, kLargestPiece);
+  std::vector<Accumulator> pieces((count + size - 1) / size, Accumulator(tree));
+  parallel.ForRanges(count, size, [&](std::int64_t first, std::int64_t end) {
+    Accumulator& piece = pieces[static_cast<std::size_t>(first / size)];
+    for (std::int64_t i = first; i < end; ++i) add(static_cast<std::size_t>(i), piece);
+  });
+  for (const Accumulator& piece : pieces) out.Append(piece);
+}
 
 int Steps(double length, double spacing) {
   return static_cast<int>(std::clamp(std::ceil(length / spacing), 1.0, kMaxSteps));
@@ -83,41 +107,50 @@ SurfaceDistanceFigures MeasureSurfaceDistance(const TriangleMesh& surface,
                                               const TriangleTree& surface_tree,
                                               std::span<const Eigen::Vector3d> positions,
                                               std::span<const Eigen::Vector3i> triangles,
-                                              double spacing) {
+                                              double spacing, const Parallel& parallel) {
   if (!(spacing > 0.0)) {
     spacing = std::sqrt(TotalArea(surface.positions, surface.faces) / kDefaultPoints);
   }
   const TriangleTree sample_tree(positions, triangles);
   Accumulator from_surface(sample_tree);
+  AddAll(
+      static_cast<std::int64_t>(surface.faces.size()), parallel, sample_tree,
+      [&](std::size_t f, Accumulator& piece) {
+        const Eigen::Vector3i& t = surface.faces[f];
+        AddFace(surface.positions[t[0]], surface.positions[t[1]], surface.positions[t[2]], spacing,
+                piece);
+      },
+      from_surface);
+  std::vector<std::uint8_t> used(surface.positions.size(), 0);
   for (const Eigen::Vector3i& t : surface.faces) {
-    const Eigen::Vector3d& a = surface.positions[t[0]];
-    const Eigen::Vector3d& b = surface.positions[t[1]];
-    const Eigen::Vector3d& c = surface.positions[t[2]];
-    AddFace(a, b, c, spacing, from_surface);
+    for (const int v : t) used[v] = 1;
   }
-  std::vector<bool> used(surface.positions.size(), false);
-  for (const Eigen::Vector3i& t : surface.faces) {
-    for (const int v : t) {
-      if (!used[v]) from_surface.Add(surface.positions[v], 0.0);
-      used[v] = true;
-    }
-  }
+  AddAll(
+      static_cast<std::int64_t>(used.size()), parallel, sample_tree,
+      [&](std::size_t v, Accumulator& piece) {
+        if (used[v] != 0) piece.Add(surface.positions[v], 0.0);
+      },
+      from_surface);
 
   // Vertices, midpoints and centroid with the weights of the seven-point rule, exact for cubics.
   Accumulator from_samples(surface_tree);
-  for (const Eigen::Vector3i& t : triangles) {
-    const Eigen::Vector3d& a = positions[t[0]];
-    const Eigen::Vector3d& b = positions[t[1]];
-    const Eigen::Vector3d& c = positions[t[2]];
-    const double area = 0.5 * (b - a).cross(c - a).norm();
-    for (const Eigen::Vector3d* corner : {&a, &b, &c}) from_samples.Add(*corner, area / 20.0);
-    for (const Eigen::Vector3d& middle :
-         {Eigen::Vector3d((a + b) / 2.0), Eigen::Vector3d((b + c) / 2.0),
-          Eigen::Vector3d((c + a) / 2.0)}) {
-      from_samples.Add(middle, area * 2.0 / 15.0);
-    }
-    from_samples.Add((a + b + c) / 3.0, area * 9.0 / 20.0);
-  }
+  AddAll(
+      static_cast<std::int64_t>(triangles.size()), parallel, surface_tree,
+      [&](std::size_t i, Accumulator& piece) {
+        const Eigen::Vector3i& t = triangles[i];
+        const Eigen::Vector3d& a = positions[t[0]];
+        const Eigen::Vector3d& b = positions[t[1]];
+        const Eigen::Vector3d& c = positions[t[2]];
+        const double area = 0.5 * (b - a).cross(c - a).norm();
+        for (const Eigen::Vector3d* corner : {&a, &b, &c}) piece.Add(*corner, area / 20.0);
+        for (const Eigen::Vector3d& middle :
+             {Eigen::Vector3d((a + b) / 2.0), Eigen::Vector3d((b + c) / 2.0),
+              Eigen::Vector3d((c + a) / 2.0)}) {
+          piece.Add(middle, area * 2.0 / 15.0);
+        }
+        piece.Add((a + b + c) / 3.0, area * 9.0 / 20.0);
+      },
+      from_samples);
 
   SurfaceDistanceFigures figures;
   figures.surface_to_samples = from_surface.Result();

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "core/mesh/triangle_mesh.h"
+#include "core/parallel/parallel.h"
 #include "core/quality/triangle_tree.h"
 
 namespace ccst::quality {
@@ -39,11 +40,12 @@ double LargestDistance(std::span<const Eigen::Vector3d> points, const TriangleTr
 /// @param surface_tree  over `surface.faces`.
 /// @param positions     n x 3 samples.  @param triangles  m x 3 indices in [0, n), m > 0.
 /// @param spacing       > 0 [mesh unit]; 0: the square root of area / 1e5.
-/// Cost O((area / spacing^2 + F + m) log(F + m)).
+/// Cost O((area / spacing^2 + F + m) log(F + m)); the same bits on any number of threads.
 SurfaceDistanceFigures MeasureSurfaceDistance(const TriangleMesh& surface,
                                               const TriangleTree& surface_tree,
                                               std::span<const Eigen::Vector3d> positions,
                                               std::span<const Eigen::Vector3i> triangles,
-                                              double spacing = 0.0);
+                                              double spacing = 0.0,
+                                              const Parallel& parallel = Parallel());
 
 }  // namespace ccst::quality

@@ -20,6 +20,10 @@ constexpr double kDartShare = 0.4;
 /// Darts thrown for each one that is expected to be accepted.
 constexpr double kDartsPerSample = 12.0;
 
+/// Darts thrown before what they hit is taken into account, and those that one thread looks at.
+constexpr std::size_t kVolley = 8192;
+constexpr std::int64_t kPiece = 512;
+
 /// Accepted samples in the cells of a grid, found through a hash of the cell.
 class Grid {
  public:
@@ -95,7 +99,8 @@ void SortInRuns(std::vector<std::pair<double, std::int32_t>>* keys, Interrupt* i
 std::vector<std::int32_t> ProgressiveOrder(std::span<const Eigen::Vector3d> positions,
                                            std::span<const Eigen::Vector3d> normals,
                                            std::span<const double> scales, double r_max,
-                                           std::uint64_t seed, Interrupt* interrupt) {
+                                           std::uint64_t seed, Interrupt* interrupt,
+                                           const Parallel& parallel) {
   const std::size_t n = positions.size();
   const CounterRandom random(seed, kOrderStream);
   std::vector<std::pair<double, std::int32_t>> keys(n);
@@ -111,6 +116,7 @@ std::vector<std::int32_t> ProgressiveOrder(std::span<const Eigen::Vector3d> posi
   order.reserve(n);
   std::vector<std::uint8_t> taken(n, 0);
   Grid grid(n);
+  std::vector<std::uint8_t> hopeless(kVolley);  // Per dart of a volley.
   const double chosen = kDartShare * static_cast<double>(n);
   const int levels = std::max(0, static_cast<int>(std::ceil(std::log2(std::max(1.0, chosen)))));
   for (int level = levels; level >= 0; --level) {
@@ -120,19 +126,34 @@ std::vector<std::int32_t> ProgressiveOrder(std::span<const Eigen::Vector3d> posi
     if (interrupt->Requested()) return order;
     for (const std::int32_t i : order) grid.Insert(i, positions[i]);
     const auto darts = std::min(n, static_cast<std::size_t>(std::ceil(kDartsPerSample * aim)));
-    for (std::size_t k = 0; k < darts; ++k) {
-      if (interrupt->RequestedAt(static_cast<std::int64_t>(k))) return order;
-      const std::int32_t i = keys[k].second;
-      if (taken[i]) continue;
-      const bool crowded = grid.Any(positions[i], [&](std::int32_t j) {
+    const auto is_crowded = [&](std::int32_t i) {
+      return grid.Any(positions[i], [&](std::int32_t j) {
         const double apart = 0.5 * radius * (scale(i) + scale(j));
         return (positions[i] - positions[j]).squaredNorm() < apart * apart &&
                normals[i].dot(normals[j]) > 0.0;
       });
-      if (crowded) continue;
-      taken[i] = 1;
-      order.push_back(i);
-      grid.Insert(i, positions[i]);
+    };
+    for (std::size_t first = 0; first < darts; first += kVolley) {
+      // Most darts fall near what was accepted before their volley: threads find out which. The
+      // rest are looked at one after the other.
+      const std::size_t end = std::min(darts, first + kVolley);
+      parallel.ForRanges(static_cast<std::int64_t>(end - first), kPiece,
+                         [&, stop = *interrupt](std::int64_t from, std::int64_t to) {
+                           if (Interrupt(stop).Requested()) return;
+                           for (auto k = static_cast<std::size_t>(from);
+                                k < static_cast<std::size_t>(to); ++k) {
+                             const std::int32_t i = keys[first + k].second;
+                             hopeless[k] = taken[i] != 0 || is_crowded(i) ? 1 : 0;
+                           }
+                         });
+      for (std::size_t k = first; k < end; ++k) {
+        if (interrupt->RequestedAt(static_cast<std::int64_t>(k))) return order;
+        const std::int32_t i = keys[k].second;
+        if (hopeless[k - first] != 0 || is_crowded(i)) continue;
+        taken[i] = 1;
+        order.push_back(i);
+        grid.Insert(i, positions[i]);
+      }
     }
   }
   for (const auto& [key, i] : keys) {

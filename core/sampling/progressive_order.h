@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/base/interrupt.h"
+#include "core/parallel/parallel.h"
 
 namespace ccst {
 
@@ -19,12 +20,14 @@ namespace ccst {
 /// @param scales     n factors of the spacing wanted at each; empty: 1.
 /// @param r_max      the hexagonal spacing of all n where the factor is 1.
 /// @return a permutation: entry k is the sample that comes k-th; part of it when `interrupt` was
-///         requested. Cost O(n log n), little of it for the sorting.
+///         requested; the same on any number of threads. Cost O(n log n), little of it for the
+///         sorting.
 /// Source: the nested sets of McCool and Fiume, "Hierarchical Poisson disk sampling
 /// distributions", Graphics Interface 1992.
 std::vector<std::int32_t> ProgressiveOrder(std::span<const Eigen::Vector3d> positions,
                                            std::span<const Eigen::Vector3d> normals,
                                            std::span<const double> scales, double r_max,
-                                           std::uint64_t seed, Interrupt* interrupt);
+                                           std::uint64_t seed, Interrupt* interrupt,
+                                           const Parallel& parallel = Parallel());
 
 }  // namespace ccst

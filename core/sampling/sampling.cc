@@ -1,3 +1,5 @@
+#include "core/sampling/sampling.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -26,7 +28,6 @@
 #include "core/sampling/plan.h"
 #include "core/sampling/progressive_order.h"
 #include "core/sampling/relaxation.h"
-#include "core/sampling/sampling.h"
 #include "core/sampling/source_map.h"
 #include "core/surface/surface.h"
 
@@ -41,6 +42,9 @@ constexpr double kLeastCrease = 4.0;
 /// Longest side of a face at a sharp edge, in spacings, and how many faces a sample may come of it.
 constexpr double kLargestAtCrease = 1.0;
 constexpr std::int64_t kMostNewFaces = 8;
+
+/// Samples that one thread looks at in one go.
+constexpr std::int64_t kPiece = 4096;
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -128,30 +132,36 @@ absl::StatusOr<Start> MakeStart(const Surface& surface, const Density& density,
 
 /// How much wider than r_max samples belong apart, per sample; empty where the density is uniform.
 std::vector<double> SpacingScales(const Surface& surface, const Density& density,
-                                  const Samples& samples) {
+                                  const Samples& samples, const Parallel& parallel) {
   std::vector<double> scales;
   if (density.uniform()) return scales;
   scales.resize(samples.position.size());
   const double footprint = 0.5 * surface.area() / samples.count();
-  for (std::int32_t i = 0; i < samples.count(); ++i) {
-    scales[i] = 1.0 / std::sqrt(density.At(samples.face[i], samples.weights[i], footprint));
-  }
+  parallel.ForRanges(samples.count(), kPiece, [&](std::int64_t first, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i) {
+      scales[i] = 1.0 / std::sqrt(density.At(samples.face[i], samples.weights[i], footprint));
+    }
+  });
   return scales;
 }
 
 /// Smallest distance between samples on the same side over the hexagonal spacing; of those looked
 /// at when `interrupt` was requested.
 double RelativeRadius(const Surface& surface, const Samples& samples,
-                      const std::vector<double>& scales, Interrupt* interrupt) {
+                      const std::vector<double>& scales, const Parallel& parallel,
+                      Interrupt* interrupt) {
   std::vector<Eigen::Vector3d> normals(samples.position.size());
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    const Eigen::Vector3i& face = surface.faces()[samples.face[i]];
-    const Eigen::Vector3d& corner = surface.positions()[face[0]];
-    normals[i] = (surface.positions()[face[1]] - corner)
-                     .cross(surface.positions()[face[2]] - corner)
-                     .normalized();
-  }
-  return quality::FindClosestSameSide(samples.position, normals, scales, interrupt).distance /
+  parallel.ForRanges(samples.count(), kPiece, [&](std::int64_t first, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i) {
+      const Eigen::Vector3i& face = surface.faces()[samples.face[i]];
+      const Eigen::Vector3d& corner = surface.positions()[face[0]];
+      normals[i] = (surface.positions()[face[1]] - corner)
+                       .cross(surface.positions()[face[2]] - corner)
+                       .normalized();
+    }
+  });
+  return quality::FindClosestSameSide(samples.position, normals, scales, interrupt, parallel)
+             .distance /
          quality::HexagonalSpacing(surface.area(), samples.count());
 }
 
@@ -165,11 +175,12 @@ std::vector<std::int32_t> OwnOrder(const Samples& samples) {
 /// when `interrupt` was requested.
 std::vector<std::int32_t> OrderSamples(const Surface& surface, const Samples& samples,
                                        const std::vector<double>& scales,
-                                       const SamplingOptions& options, Interrupt* interrupt) {
+                                       const SamplingOptions& options, const Parallel& parallel,
+                                       Interrupt* interrupt) {
   if (options.method == SamplingMethod::kWhiteNoise) return OwnOrder(samples);
   return ProgressiveOrder(samples.position, samples.normal, scales,
                           quality::HexagonalSpacing(surface.area(), samples.count()), options.seed,
-                          interrupt);
+                          interrupt, parallel);
 }
 
 }  // namespace
@@ -306,13 +317,13 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   enter(Phase::kFinalizing);
   std::vector<std::int32_t> order;
   if (!stop.Requested()) {
-    const std::vector<double> scales = SpacingScales(surface, density, first.samples);
+    const std::vector<double> scales = SpacingScales(surface, density, first.samples, parallel);
     parallel.For(2, [&, token = stop](std::int64_t task) {
       Interrupt own = token;
       if (task == 0) {
-        order = OrderSamples(surface, first.samples, scales, options, &own);
+        order = OrderSamples(surface, first.samples, scales, options, parallel, &own);
       } else {
-        result.relative_radius = RelativeRadius(surface, first.samples, scales, &own);
+        result.relative_radius = RelativeRadius(surface, first.samples, scales, parallel, &own);
       }
     });
   }

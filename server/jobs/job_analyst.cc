@@ -126,8 +126,8 @@ absl::StatusOr<JobFigures> JobAnalyst::Measure(const Job& job, const std::stop_t
   if (!surface->has_value()) return figures;
   Interrupt interrupt(stop);
   const analysis::SampleSetView set = {samples.positions, samples.triangles};
-  figures.on_surface =
-      analysis::MeasureSamples(**surface, {&set, 1}, {.surface_distance = false}, &interrupt);
+  figures.on_surface = analysis::MeasureSamples(**surface, {&set, 1}, {.surface_distance = false},
+                                                Parallel(), &interrupt);
   if (interrupt.Requested()) return StoppedOnRequest();
   return figures;
 }

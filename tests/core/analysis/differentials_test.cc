@@ -274,6 +274,30 @@ TEST(Differentials, ThinPlateHasTheStatisticsOfItsSides) {
   EXPECT_EQ(near, 0.0);
 }
 
+TEST(Differentials, ThreadsGiveTheSameBits) {
+  const Surface surface = *Surface::Build(shapes::Torus(1, 0.35, 60, 30));
+  std::vector<double> corners;
+  for (const Eigen::Vector3i& face : surface.faces()) {
+    for (const std::int32_t v : face) {
+      corners.push_back(1.0 + 4.0 * std::abs(surface.positions()[v].x()));
+    }
+  }
+  const Density density = *Density::Linear(surface, corners, 100.0);
+  const std::vector<SurfacePoint> points = WhiteNoise(surface, density, 1500, 2);
+  const auto measure = [&](int threads) {
+    Differentials differentials(1500);
+    differentials.AddSurface(surface, density, points, Parallel(threads));
+    return differentials;
+  };
+  const Differentials base = measure(1);
+  for (const int threads : {2, 3, 8}) {
+    const Differentials other = measure(threads);
+    EXPECT_EQ(other.RadialMean().y, base.RadialMean().y);
+    EXPECT_EQ(other.Anisotropy().y, base.Anisotropy().y);
+    EXPECT_EQ(other.PowerSpectrum().y, base.PowerSpectrum().y);
+  }
+}
+
 TEST(Periodogram, LatticeHasPowerAtItsFrequenciesOnly) {
   torus::Points lattice;
   for (int i = 0; i < 16; ++i) {

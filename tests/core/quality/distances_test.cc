@@ -141,5 +141,69 @@ TEST(Distances, FewerThanTwoPointsHaveNoPair) {
   EXPECT_GT(figures.r_max, 0.0);
 }
 
+TEST(Distances, ThreadsGiveTheSameBits) {
+  const std::vector<Eigen::Vector3d> points = RandomPoints(20000, 9);
+  std::vector<Eigen::Vector3d> normals;
+  std::vector<double> scales;
+  for (const Eigen::Vector3d& p : RandomPoints(20000, 10)) {
+    normals.push_back((p - Eigen::Vector3d::Constant(0.5)).normalized());
+    scales.push_back(1.0 + p.x());
+  }
+  const DistanceFigures base =
+      MeasureDistances(points, normals, 1.0, Eigen::Vector3d::Zero(), scales);
+  for (const int threads : {2, 3, 8}) {
+    const DistanceFigures other =
+        MeasureDistances(points, normals, 1.0, Eigen::Vector3d::Zero(), scales, Parallel(threads));
+    EXPECT_EQ(other.nearest, base.nearest);
+    EXPECT_EQ(other.mean_nearest_distance, base.mean_nearest_distance);
+    EXPECT_EQ(other.closest.first, base.closest.first);
+    EXPECT_EQ(other.closest_same_side.first, base.closest_same_side.first);
+    EXPECT_EQ(other.closest_same_side.second, base.closest_same_side.second);
+    EXPECT_EQ(other.closest_same_side.distance, base.closest_same_side.distance);
+  }
+}
+
+TEST(FindClosestSameSide, AgreesWithAllPairs) {
+  const std::vector<Eigen::Vector3d> points = RandomPoints(600, 3);
+  std::vector<Eigen::Vector3d> normals;
+  std::vector<double> scales;
+  for (const Eigen::Vector3d& p : RandomPoints(600, 4)) {
+    normals.push_back((p - Eigen::Vector3d::Constant(0.5)).normalized());
+    scales.push_back(0.5 + p.y());
+  }
+  SamplePair expected;
+  for (std::int32_t i = 0; i < 600; ++i) {
+    for (std::int32_t j = i + 1; j < 600; ++j) {
+      if (normals[i].dot(normals[j]) <= 0.0) continue;
+      const double distance = (points[i] - points[j]).norm() / (0.5 * (scales[i] + scales[j]));
+      if (expected.first < 0 || distance < expected.distance) expected = {i, j, distance};
+    }
+  }
+  const SamplePair found = FindClosestSameSide(points, normals, scales);
+  EXPECT_EQ(found.first, expected.first);
+  EXPECT_EQ(found.second, expected.second);
+  EXPECT_NEAR(found.distance, expected.distance, 1e-15);
+}
+
+TEST(FindClosestSameSide, EqualDistancesGoToTheSmallerIndices) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 99; i >= 0; --i) points.emplace_back(i % 10, i / 10, 0.0);
+  for (const int threads : {1, 2, 3, 8}) {
+    const SamplePair pair = FindClosestSameSide(points, {}, {}, nullptr, Parallel(threads));
+    EXPECT_EQ(pair.first, 0);
+    EXPECT_EQ(pair.second, 1);
+    EXPECT_EQ(pair.distance, 1.0);
+  }
+  points.assign(50, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(FindClosestSameSide(points, {}).second, 1);
+}
+
+TEST(FindClosestSameSide, WithoutAPairThereIsNone) {
+  EXPECT_EQ(FindClosestSameSide({}, {}).first, -1);
+  const std::vector<Eigen::Vector3d> points = {{0, 0, 0}, {1, 0, 0}};
+  const std::vector<Eigen::Vector3d> normals = {{0, 0, 1}, {0, 0, -1}};
+  EXPECT_EQ(FindClosestSameSide(points, normals).first, -1);
+}
+
 }  // namespace
 }  // namespace ccst::quality

@@ -89,6 +89,20 @@ TEST(SurfaceDistance, NeedleFacesStayCheap) {
   EXPECT_LT(Distance(needle, needle, 1e-6).hausdorff, 1e-6);
 }
 
+TEST(SurfaceDistance, ThreadsGiveTheSameBits) {
+  const TriangleMesh surface = shapes::Torus(1.0, 0.3, 60, 30);
+  const TriangleMesh samples = shapes::Torus(1.0, 0.3, 50, 23);
+  const TriangleTree tree(surface.positions, surface.faces);
+  const SurfaceDistanceFigures base = Distance(surface, samples, 0.02);
+  for (const int threads : {2, 3, 8}) {
+    const SurfaceDistanceFigures other = MeasureSurfaceDistance(
+        surface, tree, samples.positions, samples.faces, 0.02, Parallel(threads));
+    EXPECT_EQ(other.hausdorff, base.hausdorff);
+    EXPECT_EQ(other.surface_to_samples.rms, base.surface_to_samples.rms);
+    EXPECT_EQ(other.samples_to_surface.rms, base.samples_to_surface.rms);
+  }
+}
+
 TEST(LargestDistance, IsExact) {
   const TriangleMesh plane = shapes::PlaneGrid(1.0, 1.0, 4, 4);
   const TriangleTree tree(plane.positions, plane.faces);

@@ -47,6 +47,28 @@ TEST(BoxTree, FindsWhatBruteForceFinds) {
   }
 }
 
+TEST(BoxTree, RunsHoldAllPairsOfNearPoints) {
+  constexpr double kRadius = 0.1;
+  for (const int count : {1, 8, 9, 65, 1000}) {
+    const std::vector<Eigen::Vector3d> points = RandomPoints(count);
+    BoxTree tree;
+    tree.Build(points);
+    std::vector<std::vector<bool>> seen(tree.run_count(), std::vector<bool>(tree.run_count()));
+    for (std::size_t run = 0; run < tree.run_count(); ++run) {
+      tree.ForEachRunWithin(run, kRadius, [&](std::size_t other) {
+        EXPECT_GE(other, run);
+        seen[run][other] = true;
+      });
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      for (std::size_t j = i; j < points.size(); ++j) {
+        if ((points[i] - points[j]).norm() >= kRadius) continue;
+        EXPECT_TRUE(seen[i / BoxTree::kRun][j / BoxTree::kRun]) << i << ", " << j;
+      }
+    }
+  }
+}
+
 TEST(BoxTree, GivesSquaredDistances) {
   const std::vector<Eigen::Vector3d> points = {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
   BoxTree tree;
