@@ -19,6 +19,8 @@ namespace {
 constexpr std::int64_t kPiece = 512;
 // Positions this many mean spacings apart, or fewer, are near.
 constexpr double kNear = 8.0;
+// So few need no order of their own.
+constexpr std::size_t kFew = 64;
 
 // The positions in an order in which neighbours are near each other: their own, as far as they are,
 // then strays, which are near neither the one before nor the one after, along a curve. In boxes
@@ -46,6 +48,10 @@ std::vector<std::int32_t> OrderInSpace(std::span<const Eigen::Vector3d> position
       strays.push_back(static_cast<std::int32_t>(i));
       places.emplace_back((positions[i] - box.center()) * scale);
     }
+  }
+  if (strays.size() <= kFew) {
+    order.insert(order.end(), strays.begin(), strays.end());
+    return order;
   }
   for (const std::int32_t k : HilbertOrder(places, interrupt, parallel)) {
     order.push_back(strays[static_cast<std::size_t>(k)]);
