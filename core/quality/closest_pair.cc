@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <numeric>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -20,33 +19,44 @@ namespace {
 constexpr std::int64_t kPiece = 512;
 // Positions this many mean spacings apart, or fewer, are near.
 constexpr double kNear = 8.0;
+// So few need no order of their own.
+constexpr std::size_t kFew = 64;
 
-// Whether most positions are near the one before, as they are on a surface along a curve.
-bool IsAlongCurve(std::span<const Eigen::Vector3d> positions, double extent) {
-  const double near = kNear * extent / std::sqrt(static_cast<double>(positions.size()));
-  std::size_t far = 0;
-  for (std::size_t i = 1; i < positions.size(); ++i) {
-    far += (positions[i] - positions[i - 1]).squaredNorm() > near * near ? 1 : 0;
-  }
-  return 8 * far < positions.size();
-}
-
-// The positions along a curve, so that boxes around runs are small.
-std::vector<std::int32_t> OrderAlongCurve(std::span<const Eigen::Vector3d> positions,
-                                          Interrupt* interrupt, const Parallel& parallel) {
+// The positions in an order in which neighbours are near each other: their own, as far as they are,
+// then strays, which are near neither the one before nor the one after, along a curve. In boxes
+// among the others strays would be found by every search.
+std::vector<std::int32_t> OrderInSpace(std::span<const Eigen::Vector3d> positions,
+                                       Interrupt* interrupt, const Parallel& parallel) {
+  std::vector<std::int32_t> order;
+  if (positions.empty()) return order;
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& p : positions) box.extend(p);
-  const double extent = positions.empty() ? 0.0 : box.sizes().maxCoeff();
-  if (IsAlongCurve(positions, extent)) {
-    std::vector<std::int32_t> order(positions.size());
-    std::iota(order.begin(), order.end(), 0);
+  const double extent = box.sizes().maxCoeff();
+  const double near = kNear * extent / std::sqrt(static_cast<double>(positions.size()));
+  const double scale = extent > 0.0 ? 1.0 / extent : 0.0;
+  order.reserve(positions.size());
+  std::vector<std::int32_t> strays;
+  std::vector<Eigen::Vector3d> places;  // Of strays, within half a unit of the origin.
+  bool is_near = false;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const bool was_near = is_near;
+    is_near =
+        i + 1 < positions.size() && (positions[i + 1] - positions[i]).squaredNorm() <= near * near;
+    if (was_near || is_near) {
+      order.push_back(static_cast<std::int32_t>(i));
+    } else {
+      strays.push_back(static_cast<std::int32_t>(i));
+      places.emplace_back((positions[i] - box.center()) * scale);
+    }
+  }
+  if (strays.size() <= kFew) {
+    order.insert(order.end(), strays.begin(), strays.end());
     return order;
   }
-  const double scale = extent > 0.0 ? 1.0 / extent : 0.0;
-  std::vector<Eigen::Vector3d> scaled;
-  scaled.reserve(positions.size());
-  for (const Eigen::Vector3d& p : positions) scaled.emplace_back((p - box.center()) * scale);
-  return HilbertOrder(scaled, interrupt, parallel);
+  for (const std::int32_t k : HilbertOrder(places, interrupt, parallel)) {
+    order.push_back(strays[static_cast<std::size_t>(k)]);
+  }
+  return order;
 }
 
 // The closest pair so far; distances are divided by the mean of the two ends' scales.
@@ -79,9 +89,8 @@ class PairSearch {
 
   std::int64_t run_count() const { return static_cast<std::int64_t>(tree_.run_count()); }
 
-  // Of pairs that follow each other along the curve: hardly any is much farther apart than the
-  // closest.
-  Closest AlongCurve() const {
+  // Of pairs that follow each other: the closest of them is hardly farther apart than that of all.
+  Closest OfNeighbours() const {
     Closest closest;
     for (std::size_t k = 1; k < sorted_.size(); ++k) {
       Look(k, k - 1, (sorted_[k] - sorted_[k - 1]).squaredNorm(), &closest);
@@ -89,7 +98,7 @@ class PairSearch {
     return closest;
   }
 
-  // Of all pairs whose first along the curve lies in one of the runs [from, end).
+  // Of all pairs whose first in this order lies in one of the runs [from, end).
   void Find(std::int64_t from, std::int64_t end, Closest* closest) const {
     for (auto run = static_cast<std::size_t>(from); run < static_cast<std::size_t>(end); ++run) {
       // A little more, so that equal distances are found too.
@@ -136,10 +145,10 @@ SamplePair FindClosestSameSide(std::span<const Eigen::Vector3d> positions,
                                const Parallel& parallel) {
   Interrupt never;
   if (interrupt == nullptr) interrupt = &never;
-  std::vector<std::int32_t> order = OrderAlongCurve(positions, interrupt, parallel);
+  std::vector<std::int32_t> order = OrderInSpace(positions, interrupt, parallel);
   if (interrupt->Requested()) return {};
   const PairSearch search(positions, normals, scales, std::move(order));
-  const Closest start = search.AlongCurve();
+  const Closest start = search.OfNeighbours();
   std::vector<Closest> found((search.run_count() + kPiece - 1) / kPiece, start);
   parallel.ForRanges(search.run_count(), kPiece,
                      [&, stop = *interrupt](std::int64_t from, std::int64_t end) {

@@ -116,6 +116,8 @@ std::vector<std::int32_t> ProgressiveOrder(std::span<const Eigen::Vector3d> posi
   order.reserve(n);
   std::vector<std::uint8_t> taken(n, 0);
   Grid grid(n);
+  Grid fresh(std::min(n, kVolley));  // What the volley under way has added.
+  std::vector<std::int32_t> added;
   std::vector<std::uint8_t> hopeless(kVolley);  // Per dart of a volley.
   const double chosen = kDartShare * static_cast<double>(n);
   const int levels = std::max(0, static_cast<int>(std::ceil(std::log2(std::max(1.0, chosen)))));
@@ -126,30 +128,39 @@ std::vector<std::int32_t> ProgressiveOrder(std::span<const Eigen::Vector3d> posi
     if (interrupt->Requested()) return order;
     for (const std::int32_t i : order) grid.Insert(i, positions[i]);
     const auto darts = std::min(n, static_cast<std::size_t>(std::ceil(kDartsPerSample * aim)));
-    const auto is_crowded = [&](std::int32_t i) {
-      return grid.Any(positions[i], [&](std::int32_t j) {
-        const double apart = 0.5 * radius * (scale(i) + scale(j));
-        return (positions[i] - positions[j]).squaredNorm() < apart * apart &&
-               normals[i].dot(normals[j]) > 0.0;
-      });
+    const auto is_near = [&](std::int32_t i, std::int32_t j) {
+      const double apart = 0.5 * radius * (scale(i) + scale(j));
+      return (positions[i] - positions[j]).squaredNorm() < apart * apart &&
+             normals[i].dot(normals[j]) > 0.0;
     };
     for (std::size_t first = 0; first < darts; first += kVolley) {
       // Most darts fall near what was accepted before their volley: threads find out which. The
       // rest are looked at one after the other.
       const std::size_t end = std::min(darts, first + kVolley);
-      parallel.ForRanges(static_cast<std::int64_t>(end - first), kPiece,
-                         [&, stop = *interrupt](std::int64_t from, std::int64_t to) {
-                           if (Interrupt(stop).Requested()) return;
-                           for (auto k = static_cast<std::size_t>(from);
-                                k < static_cast<std::size_t>(to); ++k) {
-                             const std::int32_t i = keys[first + k].second;
-                             hopeless[k] = taken[i] != 0 || is_crowded(i) ? 1 : 0;
-                           }
-                         });
+      parallel.ForRanges(
+          static_cast<std::int64_t>(end - first), kPiece,
+          [&, stop = *interrupt](std::int64_t from, std::int64_t to) {
+            if (Interrupt(stop).Requested()) return;
+            for (auto k = static_cast<std::size_t>(from); k < static_cast<std::size_t>(to); ++k) {
+              const std::int32_t i = keys[first + k].second;
+              hopeless[k] = taken[i] != 0 || grid.Any(positions[i],
+                                                      [&](std::int32_t j) { return is_near(i, j); })
+                                ? 1
+                                : 0;
+            }
+          });
+      fresh.Reset(2.0 * radius * largest_scale);
+      added.clear();
       for (std::size_t k = first; k < end; ++k) {
         if (interrupt->RequestedAt(static_cast<std::int64_t>(k))) return order;
         const std::int32_t i = keys[k].second;
-        if (hopeless[k - first] != 0 || is_crowded(i)) continue;
+        if (hopeless[k - first] != 0) continue;
+        const bool crowded = fresh.Any(positions[i], [&](std::int32_t a) {
+          return is_near(i, added[static_cast<std::size_t>(a)]);
+        });
+        if (crowded) continue;
+        fresh.Insert(static_cast<std::int32_t>(added.size()), positions[i]);
+        added.push_back(i);
         taken[i] = 1;
         order.push_back(i);
         grid.Insert(i, positions[i]);

@@ -23,7 +23,7 @@ install(EXPORT ccst-targets NAMESPACE ccst:: DESTINATION "${package_dir}" COMPON
 
 # The public interface and what it includes.
 foreach(header IN ITEMS base/interrupt.h base/status.h density/image.h
-    mesh/triangle_mesh.h repair/repair.h
+    mesh/triangle_mesh.h parallel/parallel.h repair/repair.h
     sampling/run_control.h sampling/sampling.h)
   get_filename_component(folder "${header}" DIRECTORY)
   install(FILES "${PROJECT_SOURCE_DIR}/core/${header}"
