@@ -100,7 +100,8 @@ TEST(Untriangulated, ComponentWithTooMuchTopologyGetsPointsSpreadByCapacity) {
         nearest = std::min(nearest, (on_torus[i] - on_torus[j]).norm());
       }
     }
-    EXPECT_GT(nearest, 0.3) << "seed " << seed;
+    // Of white noise every second set has a nearer pair.
+    EXPECT_GT(nearest, 0.35) << "seed " << seed;
   }
 }
 
