@@ -11,6 +11,8 @@ namespace {
 /// Triangles that face the surface less than this may not come out of a flip unless they do so
 /// already.
 constexpr double kLeastFacing = 0.3;
+/// Relative, so that co-circular points do not flip for ever.
+constexpr double kMargin = 1e-9;
 
 }  // namespace
 
@@ -23,33 +25,36 @@ double Facing(const std::vector<Eigen::Vector3d>& position,
   return scale > 0.0 ? cross.dot(sum) / scale : 0.0;
 }
 
-bool EdgeFlips::IsWanted(std::int32_t h) const {
-  const std::int32_t g = mesh_.twin[h];
-  if (g < 0) return false;
-  const std::int32_t a = mesh_.origin[h];
-  const std::int32_t b = mesh_.origin[g];
-  const std::int32_t c = mesh_.Apex(h);
-  const std::int32_t d = mesh_.Apex(g);
-  const Eigen::Vector3d ca = position_[a] - position_[c];
-  const Eigen::Vector3d cb = position_[b] - position_[c];
-  const Eigen::Vector3d da = position_[a] - position_[d];
-  const Eigen::Vector3d db = position_[b] - position_[d];
+bool FlipImproves(const std::vector<Eigen::Vector3d>& position,
+                  const std::vector<Eigen::Vector3d>& normal, std::int32_t a, std::int32_t b,
+                  std::int32_t c, std::int32_t d) {
+  const Eigen::Vector3d ca = position[a] - position[c];
+  const Eigen::Vector3d cb = position[b] - position[c];
+  const Eigen::Vector3d da = position[a] - position[d];
+  const Eigen::Vector3d db = position[b] - position[d];
   const double cos_c = ca.dot(cb);
   const double cos_d = da.dot(db);
   if (cos_c >= 0.0 && cos_d >= 0.0) return false;
-  const double sin_c = ca.cross(cb).norm();
-  const double sin_d = da.cross(db).norm();
-  // sin(c + d) < 0, with a margin so that co-circular points do not flip for ever.
-  const double scale = std::sqrt((cos_c * cos_c + sin_c * sin_c) * (cos_d * cos_d + sin_d * sin_d));
-  if (!(sin_c * cos_d + cos_c * sin_d < -1e-10 * scale)) return false;
-  const double after =
-      std::min(Facing(position_, normal_, d, c, a), Facing(position_, normal_, c, d, b));
-  if (after < kLeastFacing) {
-    const double before =
-        std::min(Facing(position_, normal_, a, b, c), Facing(position_, normal_, b, a, d));
-    if (after <= before) return false;
+  if (cos_c >= 0.0 || cos_d >= 0.0) {
+    // Whether the obtuse angle exceeds a right one by more than the other one falls short of it.
+    const double at_c = cos_c * cos_c * da.cross(db).squaredNorm();
+    const double at_d = cos_d * cos_d * ca.cross(cb).squaredNorm();
+    const bool is_wide =
+        cos_c < 0.0 ? at_d < at_c * (1.0 - kMargin) : at_c < at_d * (1.0 - kMargin);
+    if (!is_wide) return false;
   }
-  return mesh_.CanFlip(h);
+  const double after =
+      std::min(Facing(position, normal, d, c, a), Facing(position, normal, c, d, b));
+  return after >= kLeastFacing ||
+         after > std::min(Facing(position, normal, a, b, c), Facing(position, normal, b, a, d));
+}
+
+bool EdgeFlips::IsWanted(std::int32_t h) const {
+  const std::int32_t g = mesh_.twin[h];
+  return g >= 0 &&
+         FlipImproves(position_, normal_, mesh_.origin[h], mesh_.origin[g], mesh_.Apex(h),
+                      mesh_.Apex(g)) &&
+         mesh_.CanFlip(h);
 }
 
 void EdgeFlips::Restrict(std::int32_t first, std::int32_t end) {

@@ -56,6 +56,13 @@ class EdgeFlips {
   std::vector<std::int32_t> stack_;
 };
 
+/// True when edge (a, b) of triangles (a, b, c) and (b, a, d) is not locally Delaunay, its opposite
+/// angles summing to more than pi, and the edge (c, d) instead would turn none of the two away from
+/// the surface, or less than one of them is already.
+bool FlipImproves(const std::vector<Eigen::Vector3d>& position,
+                  const std::vector<Eigen::Vector3d>& normal, std::int32_t a, std::int32_t b,
+                  std::int32_t c, std::int32_t d);
+
 /// Cosine-like measure of how far triangle (a, b, c) is turned from the surface: its unit normal
 /// times the unit sum of the surface normals at its corners; negative when turned over.
 double Facing(const std::vector<Eigen::Vector3d>& position,

@@ -16,9 +16,6 @@ namespace {
 
 /// What the worst new triangle must reach, see ShapeAfter.
 constexpr float kDemand = 0.2F;
-/// Triangles that face the surface less than this may not come out of a flip unless they do so
-/// already.
-constexpr double kLeastFacing = 0.3;
 /// A vertex with more edges has them flipped before it is looked at.
 constexpr int kManyEdges = 8;
 /// Vertices whose blocks one thread compares in one go.
@@ -264,27 +261,7 @@ class BlockThinning {
     const std::int32_t a = mesh_.origin[h];
     const std::int32_t b = mesh_.origin[g];
     if ((inside_[a] & inside_[b]) == 0) return false;
-    const std::int32_t c = mesh_.Apex(h);
-    const std::int32_t d = mesh_.Apex(g);
-    const Eigen::Vector3d ca = position_[a] - position_[c];
-    const Eigen::Vector3d cb = position_[b] - position_[c];
-    const Eigen::Vector3d da = position_[a] - position_[d];
-    const Eigen::Vector3d db = position_[b] - position_[d];
-    const double cos_c = ca.dot(cb);
-    const double cos_d = da.dot(db);
-    if (cos_c >= 0.0 && cos_d >= 0.0) return false;
-    if (cos_c >= 0.0 || cos_d >= 0.0) {
-      // Whether the obtuse angle is more than the other one lacks to two right ones.
-      const double wide = cos_c * cos_c * da.cross(db).squaredNorm();
-      const double narrow = cos_d * cos_d * ca.cross(cb).squaredNorm();
-      if (!(cos_c < 0.0 ? narrow < wide * (1.0 - 1e-9) : wide < narrow * (1.0 - 1e-9)))
-        return false;
-    }
-    const double after =
-        std::min(Facing(position_, normal_, d, c, a), Facing(position_, normal_, c, d, b));
-    if (after >= kLeastFacing) return true;
-    return after >
-           std::min(Facing(position_, normal_, a, b, c), Facing(position_, normal_, b, a, d));
+    return FlipImproves(position_, normal_, a, b, mesh_.Apex(h), mesh_.Apex(g));
   }
 
   const std::vector<Eigen::Vector3d>& position_;
