@@ -33,15 +33,20 @@ class Relocation {
 
   /// Triangles with room for another sample, by capacity, largest first; ties by index.
   std::vector<std::int32_t> FindRoom(std::size_t count) const {
+    count = std::min(count, static_cast<std::size_t>(mesh_.triangle_count()));
+    // Never many more than asked for: of a mesh of millions they would be most of the memory.
     std::vector<std::pair<double, std::int32_t>> order;
-    order.reserve(mesh_.triangle_count());
+    const auto keep_largest = [&] {
+      const auto end = order.begin() + static_cast<std::ptrdiff_t>(count);
+      if (end < order.end()) std::nth_element(order.begin(), end, order.end());
+      order.resize(std::min(order.size(), count));
+    };
     for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
       order.emplace_back(-geometry_.Capacity(t), t);
+      if (order.size() >= 2 * count + 256) keep_largest();
     }
-    count = std::min(order.size(), count);
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
-                      order.end());
-    order.resize(count);
+    keep_largest();
+    std::sort(order.begin(), order.end());
     std::vector<std::int32_t> triangles;
     triangles.reserve(order.size());
     for (const auto& [capacity, t] : order) triangles.push_back(t);

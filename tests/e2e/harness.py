@@ -83,7 +83,7 @@ def torus(around=48, across=24, large=1.0, small=0.35, quads=False, offset=(0.0,
 
 
 # A run that never ends by itself within a test.
-ENDLESS = ["--count", "20000", "--max-iterations", "10000", "--tolerance", "1e-300"]
+ENDLESS = ["--count", "200000", "--max-iterations", "10000", "--tolerance", "1e-300"]
 
 
 class EndToEnd(unittest.TestCase):

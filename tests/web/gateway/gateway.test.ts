@@ -70,7 +70,7 @@ test('Gateway.Error of the server keeps its code and details', async () => {
 
 test('Gateway.Stream arrives message by message', async () => {
   const { job } = await jobs().createJob({
-    spec: { mesh, options: { sampleCount: 2000n, ...endless } },
+    spec: { mesh, options: { sampleCount: 200000n, ...endless } },
   });
   const leave = new AbortController();
   let reports = 0;
@@ -86,7 +86,7 @@ test('Gateway.Stream arrives message by message', async () => {
 
 test('Gateway.Caller that goes away takes its stream along', async () => {
   const { job } = await jobs().createJob({
-    spec: { mesh, options: { sampleCount: 2000n, seed: 1n, ...endless } },
+    spec: { mesh, options: { sampleCount: 200000n, seed: 1n, ...endless } },
   });
   const name = job?.name ?? '';
   const leave = new AbortController();
