@@ -316,6 +316,10 @@ double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring, RingAngles* angle
   return 0.0;
 }
 
+double GeometryPhase::RegularSpacing(std::int32_t component) const {
+  return std::sqrt(4.0 / (std::sqrt(3.0) * scale_[component]));
+}
+
 double GeometryPhase::MoveAlong(std::int32_t v, Ring* ring, RingAngles* angles) {
   const std::int32_t loop = samples_.loop[v];
   const double length = plan_.loops[loop].length;
@@ -353,7 +357,9 @@ double GeometryPhase::MoveAlong(std::int32_t v, Ring* ring, RingAngles* angles) 
   if (!(std::abs(wanted) > kLeastStep * rest * ring->spacing)) return 0.0;
   const double nearest = std::min((position_ahead - s).norm(), (position_behind - s).norm());
   const double longest = std::min(kLongestStep * ring->spacing, 0.4 * nearest);
-  const double least = std::min(nearest, kLeastBoundarySpacing * ring->spacing);
+  // Where triangles are small for now samples are to come apart again.
+  const double regular = mean_density_.empty() ? RegularSpacing(samples_.component[v]) : 0.0;
+  const double least = std::min(nearest, kLeastBoundarySpacing * std::max(ring->spacing, regular));
   double step = std::clamp(stretch * wanted, -longest, longest);
   for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, step *= 0.5) {
     double arc = samples_.arc[v] + rate * step;

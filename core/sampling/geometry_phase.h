@@ -150,6 +150,8 @@ class GeometryPhase {
   bool Learn(std::int32_t v);
   // Names the ring of `v` and its densities. @return false for a point and for more than fit.
   bool Gather(std::int32_t v, Ring* ring) const;
+  // Of equilateral triangles of the target capacity, where the density is uniform.
+  double RegularSpacing(std::int32_t component) const;
   double MoveInterior(std::int32_t v, Ring* ring, RingAngles* angles);
   double MoveAlong(std::int32_t v, Ring* ring, RingAngles* angles);
   /// True when moving the vertex by `step` lowers its ring's energy and turns no triangle over.

@@ -309,6 +309,31 @@ TEST(GeometryPhase, SamplesStayOnTheSurfaceAndOnTheirLoops) {
   }
 }
 
+// However small the triangles beside them are before the rest has settled.
+TEST(GeometryPhase, BoundarySamplesKeepApartWhileTheRestSettles) {
+  Interrupt never;
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    Start start = *MakeStart(shapes::SphereWithHole(0.8, 40, 60), 3000, seed);
+    const auto nearest = [&] {
+      double least = 1e9;
+      for (std::size_t h = 0; h < start.mesh.origin.size(); ++h) {
+        if (start.mesh.origin[h] < 0 || start.mesh.twin[h] >= 0) continue;
+        const auto half_edge = static_cast<std::int32_t>(h);
+        least = std::min(least, (start.samples.position[start.mesh.origin[h]] -
+                                 start.samples.position[start.mesh.Target(half_edge)])
+                                    .norm());
+      }
+      return least / start.plan.spacing;
+    };
+    GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
+                           &start.mesh, &start.samples, &sampling_test::kOneThread);
+    for (int alternation = 0; alternation < 6; ++alternation) {
+      geometry.Alternate(3, &never);
+      EXPECT_GT(nearest(), 0.75) << "seed " << seed << " alternation " << alternation;
+    }
+  }
+}
+
 TEST(GeometryPhase, SpreadAgreesWithTheQualityRoom) {
   const Start made = *MakeStart(shapes::Icosphere(3), 700, 2);
   Start start = made;
