@@ -63,7 +63,7 @@ Coverage::Coverage(const Surface* surface, const Density* density, const Plan* p
     if (deficit > kCornerDeficit) corners.push_back(k);
   }
   if (corners.empty()) return;
-  const PointTree tree(places);
+  const PointTree tree(places, *parallel);
   for (const std::size_t k : corners) {
     const Eigen::Vector3d& corner = surface->positions()[curved_[k]];
     const std::vector<std::int32_t> nearest = tree.Nearest(corner, 2);
@@ -140,7 +140,7 @@ std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh, cons
                                                     Interrupt* interrupt) const {
   std::vector<UncoveredPlace> found;
   if (curved_.empty()) return found;
-  const PointTree tree(samples.position);
+  const PointTree tree(samples.position, parallel_);
   std::vector<std::vector<UncoveredPlace>> pieces((curved_.size() + kPiece - 1) / kPiece);
   parallel_.For(static_cast<std::int64_t>(pieces.size()), [&, stop = *interrupt](std::int64_t p) {
     if (Interrupt(stop).Requested()) return;

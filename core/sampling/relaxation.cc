@@ -112,7 +112,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
   GeometryPhase geometry(&surface, &density, &plan, options.energy, mesh, samples, &parallel, stop);
   EdgeFlips flips(mesh, &samples->position, &samples->normal);
   const Coverage coverage(&surface, &density, &plan, &parallel, stop);
-  Projection projection(&surface, 0.5 * plan.spacing);
+  Projection projection(&surface, 0.5 * plan.spacing, &parallel);
 
   AlternationReport state;
   state.alternation_limit = options.max_iterations;

@@ -32,7 +32,7 @@ void Projection::Discretise() {
       }
     }
   }
-  tree_ = std::make_unique<PointTree>(points_);
+  tree_ = std::make_unique<PointTree>(points_, parallel_);
 }
 
 SurfacePoint Projection::Project(std::int32_t face, const Eigen::Vector3d& target,

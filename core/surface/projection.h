@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/parallel/parallel.h"
 #include "core/spatial/point_tree.h"
 #include "core/surface/surface.h"
 
@@ -15,8 +16,9 @@ namespace ccst {
 class Projection {
  public:
   /// @param surface  not owned. The discretisation, with about `spacing` between its points, is
-  /// built when it is first needed.
-  Projection(const Surface* surface, double spacing) : surface_(*surface), spacing_(spacing) {}
+  /// built when it is first needed, by the threads of `parallel` (not owned).
+  Projection(const Surface* surface, double spacing, const Parallel* parallel)
+      : surface_(*surface), spacing_(spacing), parallel_(*parallel) {}
 
   /// The point of the surface for `target`, near the host `face`.
   /// @param normal  unit normal wanted there: a point whose normal is 90 degrees or more away lies
@@ -33,6 +35,7 @@ class Projection {
 
   const Surface& surface_;
   const double spacing_;
+  const Parallel& parallel_;
   std::vector<Eigen::Vector3d> points_;
   std::vector<std::int32_t> faces_;  // Per point.
   std::unique_ptr<PointTree> tree_;

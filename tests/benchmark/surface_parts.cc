@@ -12,6 +12,7 @@
 #include "core/io/draco_mesh.h"
 #include "core/repair/repair.h"
 #include "core/spatial/point_tree.h"
+#include "core/spatial/spatial_order.h"
 #include "core/surface/projection.h"
 #include "core/surface/surface.h"
 #include "tests/benchmark/subjects.h"
@@ -101,7 +102,8 @@ void ProjectionSearch(benchmark::State& state) {
   const Place& place = PlaceOf(state.range(0));
   // As dense as for one sample a face. A negative tolerance makes every projection search.
   const double spacing = std::sqrt(place.surface.area() / place.surface.face_count());
-  Projection projection(&place.surface, spacing);
+  const Parallel parallel;
+  Projection projection(&place.surface, spacing, &parallel);
   const auto project = [&](std::size_t i) {
     const std::int32_t face = place.hosts[i];
     const Eigen::Vector3d normal = place.surface.NormalAt(face, Eigen::Vector3d::Constant(1.0 / 3));
@@ -117,16 +119,31 @@ void ProjectionSearch(benchmark::State& state) {
 }
 BENCHMARK(ProjectionSearch)->Apply(QuerySizes);
 
-void PointTreeBuild(benchmark::State& state) {
-  const Place& place = PlaceOf(state.range(0));
-  for (auto _ : state) benchmark::DoNotOptimize(PointTree(place.surface.positions()));
-  state.SetItemsProcessed(state.iterations() * place.surface.vertex_count());
+/// The vertices of the surface as samples are stored.
+std::vector<Eigen::Vector3d> PointsInOrder(const Place& place) {
+  const std::vector<Eigen::Vector3d>& points = place.surface.positions();
+  Interrupt none;
+  std::vector<Eigen::Vector3d> sorted;
+  for (const std::int32_t v : HilbertOrder(points, &none)) sorted.push_back(points[v]);
+  return sorted;
 }
-BENCHMARK(PointTreeBuild)->Apply(Sizes);
+
+void PointTreeBuild(benchmark::State& state) {
+  const std::vector<Eigen::Vector3d> points = PointsInOrder(PlaceOf(state.range(0)));
+  const Parallel parallel(static_cast<int>(state.range(1)));
+  for (auto _ : state) benchmark::DoNotOptimize(PointTree(points, parallel));
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points.size()));
+}
+BENCHMARK(PointTreeBuild)
+    ->ArgNames({"faces", "threads"})
+    ->ArgsProduct({{10'000, 100'000, 1'000'000}, {1, 2}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 
 void PointTreeNearest(benchmark::State& state) {
   const Place& place = PlaceOf(state.range(0));
-  const PointTree tree(place.surface.positions());
+  const std::vector<Eigen::Vector3d> points = PointsInOrder(place);
+  const PointTree tree(points);
   std::size_t i = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(tree.Nearest(place.targets[i], 1));

@@ -208,7 +208,8 @@ def cut_connections(folder, report):
     """Streams go on where they broke, without gap or repetition."""
     with Server(folder + "/cut") as server, Client(server.address) as direct:
         mesh = direct.upload(draco.encode(*draco.torus(48, 24))).name
-        job = direct.create(spec(mesh, 3000, 1, max_iterations=60, relative_tolerance=1e-300))
+        # Long enough that the stream is cut while the job runs, not when all of it has come.
+        job = direct.create(spec(mesh, 100_000, 1, max_iterations=60, relative_tolerance=1e-300))
         proxy = Proxy(server.address)
         sequences, cuts, ended = [], 0, False
         while not ended and cuts < 200:

@@ -77,7 +77,8 @@ TEST(Relocate, KeepsCountsTopologyAndHosts) {
     const quality::MeshTopology before = sampling_test::Topology(start.mesh);
     GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
                            &start.mesh, &start.samples, &sampling_test::kOneThread);
-    Projection projection(&start.surface, 0.5 * start.plan.spacing);
+    const Parallel parallel;
+    Projection projection(&start.surface, 0.5 * start.plan.spacing, &parallel);
     EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
     const std::vector<Defect> defects = Find(start, kLimits);
     Interrupt never;
@@ -108,7 +109,8 @@ TEST(Relocate, UncoveredPlaceGetsASample) {
   Start start = *MakeStart(shapes::Icosphere(3), 400, 1);
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
                          &start.samples, &sampling_test::kOneThread);
-  Projection projection(&start.surface, 0.5 * start.plan.spacing);
+  const Parallel parallel;
+  Projection projection(&start.surface, 0.5 * start.plan.spacing, &parallel);
   EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
   // The surface's vertex nearest the middle of the largest triangle.
   std::int32_t largest = 0;
@@ -137,7 +139,8 @@ TEST(Relocate, NothingToDoChangesNothing) {
   Start start = *MakeStart(shapes::Icosphere(3), 400, 1);
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
                          &start.samples, &sampling_test::kOneThread);
-  Projection projection(&start.surface, 0.5 * start.plan.spacing);
+  const Parallel parallel;
+  Projection projection(&start.surface, 0.5 * start.plan.spacing, &parallel);
   EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
   const std::vector<std::int32_t> before = start.mesh.origin;
   Interrupt never;
@@ -151,7 +154,8 @@ TEST(Relocate, StopLeavesEverySampleWhereItIs) {
   Start start = *MakeStart(shapes::Torus(1, 0.35, 60, 24), 900, 1);
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
                          &start.samples, &sampling_test::kOneThread);
-  Projection projection(&start.surface, 0.5 * start.plan.spacing);
+  const Parallel parallel;
+  Projection projection(&start.surface, 0.5 * start.plan.spacing, &parallel);
   EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
   const std::vector<Defect> defects = Find(start, kLimits);
   ASSERT_FALSE(defects.empty());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -82,10 +83,42 @@ TEST(PointTree, ManyEqualDistancesAreBrokenByIndex) {
   }
 }
 
+// Many times the points of one tree, in an order that has nothing to do with space: the answer is
+// spread over all trees.
+TEST(PointTree, ManyPointsInAnyOrderAgreeWithBruteForce) {
+  std::vector<Eigen::Vector3d> points = RandomPoints(170'000);
+  // Double, far apart in memory.
+  for (std::size_t i = 0; i < 1000; ++i) points[points.size() - 1 - 3 * i] = points[i];
+  const PointTree tree(points);
+  const CounterRandom random(2, 1);
+  for (int q = 0; q < 25; ++q) {
+    const Eigen::Vector3d query(3.0 * random.Uniform(3 * q) - 1.0, random.Uniform(3 * q + 1),
+                                random.Uniform(3 * q + 2));
+    ASSERT_EQ(tree.Nearest(query, 9), NearestByHand(points, query, 9));
+    ASSERT_EQ(tree.Nearest(points[q], 1), std::vector<std::int32_t>{q});
+    ASSERT_EQ(tree.Nearest(points[q], 2), NearestByHand(points, points[q], 2));
+  }
+}
+
+TEST(PointTree, AnswersAreTheSameOnAnyNumberOfThreads) {
+  const std::vector<Eigen::Vector3d> points = RandomPoints(170'000);
+  const PointTree one(points);
+  const CounterRandom random(4, 1);
+  for (const int threads : {2, 3, 8}) {
+    const PointTree several(points, Parallel(threads));
+    for (int q = 0; q < 1000; ++q) {
+      const Eigen::Vector3d query(random.Uniform(3 * q), random.Uniform(3 * q + 1),
+                                  random.Uniform(3 * q + 2));
+      ASSERT_EQ(several.Nearest(query, 8), one.Nearest(query, 8)) << threads << " threads";
+    }
+  }
+}
+
 TEST(PointTree, FewerPointsThanAskedForAreAllReturned) {
   const std::vector<Eigen::Vector3d> points = {{0, 0, 0}, {2, 0, 0}, {1, 0, 0}};
   const PointTree tree(points);
   EXPECT_EQ(tree.Nearest({0, 0, 0}, 10), (std::vector<std::int32_t>{0, 2, 1}));
+  EXPECT_EQ(tree.Nearest({0, 0, 0}, std::numeric_limits<int>::max()).size(), 3u);
   EXPECT_TRUE(tree.Nearest({0, 0, 0}, 0).empty());
 }
 

@@ -16,7 +16,8 @@ constexpr double kSpacing = 0.02;
 
 TEST(Projection, SmallMovesAreFollowed) {
   const Surface surface = *Surface::Build(shapes::Torus(1, 0.35, 120, 60));
-  Projection projection(&surface, kSpacing);
+  const Parallel parallel;
+  Projection projection(&surface, kSpacing, &parallel);
   for (int f = 0; f < surface.face_count(); f += 17) {
     const Eigen::Vector3d& a = surface.positions()[surface.faces()[f][0]];
     const Eigen::Vector3d target = a + 0.001 * surface.normals()[surface.faces()[f][0]];
@@ -30,7 +31,8 @@ TEST(Projection, SmallMovesAreFollowed) {
 
 TEST(Projection, NeverEndsFartherThanFollowing) {
   const Surface surface = *Surface::Build(shapes::PlateWithHoles(2, 2));
-  Projection projection(&surface, kSpacing);
+  const Parallel parallel;
+  Projection projection(&surface, kSpacing, &parallel);
   const CounterRandom random(1, 3);
   for (int i = 0; i < 1000; ++i) {
     const int f = static_cast<int>(random.Bits(4 * i) % surface.face_count());
@@ -50,7 +52,8 @@ TEST(Projection, NeverTakesAnotherSheet) {
   const std::vector<TriangleMesh> sheets = {
       shapes::PlaneGrid(1, 1, 12, 12), shapes::Moved(shapes::PlaneGrid(1, 1, 12, 12), {0, 0, gap})};
   const Surface surface = *Surface::Build(shapes::DisjointUnion(sheets));
-  Projection projection(&surface, kSpacing);
+  const Parallel parallel;
+  Projection projection(&surface, kSpacing, &parallel);
   const CounterRandom random(8, 8);
   for (int i = 0; i < 300; ++i) {
     const int f = static_cast<int>(random.Bits(3 * i) % surface.face_count());
