@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/spatial/box_tree.h"
 #include "core/spatial/point_tree.h"
 #include "core/surface/closest_point.h"
 #include "core/surface/curvature.h"
@@ -18,7 +19,7 @@ namespace {
 /// Least curvature, times the spacing, at which a place can be cut off by more than half a spacing.
 constexpr double kLeastCurvature = 0.7;
 /// Samples whose triangles are tried for each place.
-constexpr int kNearest = 4;
+constexpr std::size_t kNearest = 4;
 /// Distance of the surface from the sample mesh that calls for a sample there, in spacings.
 constexpr double kLimit = 0.9;
 /// The same at the corners of polyhedra: vertices whose angles are short of 2 pi by more than
@@ -46,6 +47,28 @@ double AngleDeficit(const Surface& surface, std::int32_t vertex) {
     h = surface.twins()[previous];
   } while (h != start);
   return deficit;
+}
+
+/// The kNearest samples nearest to `place`, nearest first and equal distances by index; fewer when
+/// there are fewer.
+/// @param radius  > 0: tried first.
+std::vector<std::int32_t> NearestSamples(const BoxTree& tree, const Eigen::Vector3d& place,
+                                         double radius) {
+  std::vector<std::pair<double, std::int32_t>> found;
+  // Both are in a cube of side 1.
+  for (bool all = false; !all && found.size() < kNearest; radius *= 2.0) {
+    all = radius > 2.0;
+    found.clear();
+    tree.ForEachWithin(place, radius,
+                       [&](std::int32_t i, double squared) { found.emplace_back(squared, i); });
+  }
+  const auto count = static_cast<std::ptrdiff_t>(std::min(found.size(), kNearest));
+  std::partial_sort(found.begin(), found.begin() + count, found.end());
+  std::vector<std::int32_t> nearest;
+  for (std::ptrdiff_t k = 0; k < count; ++k) {
+    nearest.push_back(found[static_cast<std::size_t>(k)].second);
+  }
+  return nearest;
 }
 
 }  // namespace
@@ -102,7 +125,7 @@ void Coverage::FindCurved(const Density& density, const Plan& plan, Interrupt* i
   limit_.assign(curved_.size(), kLimit);
 }
 
-UncoveredPlace Coverage::Measure(std::size_t k, const PointTree& tree, const SampleMesh& mesh,
+UncoveredPlace Coverage::Measure(std::size_t k, const BoxTree& tree, const SampleMesh& mesh,
                                  const Samples& samples) const {
   const std::int32_t v = curved_[k];
   const Eigen::Vector3d& place = surface_.positions()[v];
@@ -114,12 +137,12 @@ UncoveredPlace Coverage::Measure(std::size_t k, const PointTree& tree, const Sam
            samples.normal[i].dot(surface_.normals()[v]) >= -0.5;
   };
   // Next to a sample, which nearly all are, there is nothing to measure.
-  const std::vector<std::int32_t> next = tree.Nearest(place, 1);
-  if (!next.empty() && may_cover(next[0]) && mesh.outgoing[next[0]] >= 0 &&
-      (samples.position[next[0]] - place).norm() <= limit_[k] * spacing_[k]) {
-    return nearest;
-  }
-  for (const std::int32_t i : tree.Nearest(place, kNearest)) {
+  bool is_next = false;
+  tree.ForEachWithin(place, limit_[k] * spacing_[k], [&](std::int32_t i, double) {
+    is_next = is_next || (may_cover(i) && mesh.outgoing[i] >= 0);
+  });
+  if (is_next) return nearest;
+  for (const std::int32_t i : NearestSamples(tree, place, spacing_[k])) {
     if (!may_cover(i)) continue;
     mesh.ForEachOutgoing(i, [&](std::int32_t h) {
       const Eigen::Vector3d& a = samples.position[i];
@@ -140,7 +163,8 @@ std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh, cons
                                                     Interrupt* interrupt) const {
   std::vector<UncoveredPlace> found;
   if (curved_.empty()) return found;
-  const PointTree tree(samples.position, parallel_);
+  BoxTree tree;
+  tree.Build(samples.position);
   std::vector<std::vector<UncoveredPlace>> pieces((curved_.size() + kPiece - 1) / kPiece);
   parallel_.For(static_cast<std::int64_t>(pieces.size()), [&, stop = *interrupt](std::int64_t p) {
     if (Interrupt(stop).Requested()) return;

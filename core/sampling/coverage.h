@@ -10,7 +10,7 @@
 #include "core/sampling/plan.h"
 #include "core/sampling/sample_mesh.h"
 #include "core/sampling/samples.h"
-#include "core/spatial/point_tree.h"
+#include "core/spatial/box_tree.h"
 #include "core/surface/surface.h"
 
 namespace ccst {
@@ -33,14 +33,14 @@ class Coverage {
 
   /// Vertices of the surface that the sample mesh cuts off by most of a local spacing, at corners
   /// by half of one, farthest first, no two within a spacing of one another. When `interrupt` is
-  /// requested, the list is unfinished. Cost O(n log n + curved vertices).
+  /// requested, the list is unfinished. Cost O(n + curved vertices).
   std::vector<UncoveredPlace> FindUncovered(const SampleMesh& mesh, const Samples& samples,
                                             Interrupt* interrupt) const;
 
  private:
   void FindCurved(const Density& density, const Plan& plan, Interrupt* interrupt);
   // How far curved vertex `k` is from the triangles near it.
-  UncoveredPlace Measure(std::size_t k, const PointTree& tree, const SampleMesh& mesh,
+  UncoveredPlace Measure(std::size_t k, const BoxTree& tree, const SampleMesh& mesh,
                          const Samples& samples) const;
 
   const Surface& surface_;

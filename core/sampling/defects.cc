@@ -1,6 +1,7 @@
 #include "core/sampling/defects.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
@@ -43,6 +44,13 @@ Eigen::Vector3d FaceCross(const Surface& surface, std::int32_t face) {
       .cross(surface.positions()[corner[2]] - surface.positions()[corner[0]]);
 }
 
+/// What decides whether two are too near.
+struct Sample {
+  std::int32_t vertex;
+  Eigen::Vector3d position;
+  double density;
+};
+
 /// What FindDefects() looks at; only read, by several threads.
 class DefectSearch {
  public:
@@ -84,15 +92,40 @@ class DefectSearch {
     int degree = mesh_.IsBoundary(v) ? 1 : 0;
     mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
       ++degree;
-      if (limits_.all_near) {
-        CheckNear(v, h, found);
-      } else if (mesh_.twin[h] > h) {
-        CheckPair(mesh_.Apex(h), mesh_.Apex(mesh_.twin[h]), found);
+      if (!limits_.all_near && mesh_.twin[h] > h) {
+        CheckPair(SampleAt(mesh_.Apex(h)), SampleAt(mesh_.Apex(mesh_.twin[h])), found);
       }
     });
     if (!IsMovable(v) || (degree >= 5 && degree <= 7)) return;
     const double regular = TotalAngle(mesh_, samples_, v) * 3.0 / std::numbers::pi;
     if (std::abs(degree - regular) > limits_.most_excess) found->push_back({v, false});
+  }
+
+  /// Marks `v` and its neighbours if it is in the scope: pairs that are two edges apart are looked
+  /// for at what is between them.
+  void MarkMiddles(std::int32_t v, std::vector<std::uint8_t>* is_middle) const {
+    if (!scope_[v] || samples_.kind[v] == SampleMesh::Kind::kPoint) return;
+    // Several threads may mark one.
+    const auto mark = [&](std::int32_t u) {
+      std::atomic_ref<std::uint8_t>((*is_middle)[u]).store(1, std::memory_order_relaxed);
+    };
+    mark(v);
+    ForEachNeighbour(v, mark);
+  }
+
+  /// Pairs of `v` with a neighbour, and of two of its neighbours: all up to two edges apart are
+  /// among them.
+  /// @param ring  room to work in.
+  void CheckAround(std::int32_t v, std::vector<Sample>* ring, std::vector<Defect>* found) const {
+    const Sample middle = SampleAt(v);
+    ring->clear();
+    ForEachNeighbour(v, [&](std::int32_t u) { ring->push_back(SampleAt(u)); });
+    for (std::size_t i = 0; i < ring->size(); ++i) {
+      const Sample& one = (*ring)[i];
+      if (v < one.vertex) CheckPair(middle, one, found);
+      // The next one is its neighbour, and they are a pair there.
+      for (std::size_t j = i + 2; j < ring->size(); ++j) CheckPair(one, (*ring)[j], found);
+    }
   }
 
  private:
@@ -119,34 +152,31 @@ class DefectSearch {
     if (worst >= 0) found->push_back({worst, is_grave});
   }
 
-  /// Pairs of `v` with the target of `h`, the third corner of its triangle, and their neighbours.
-  void CheckNear(std::int32_t v, std::int32_t h, std::vector<Defect>* found) const {
-    // Every pair once, from its smaller index, or from the one in the scope.
-    const auto check = [&](std::int32_t u) {
-      if (u > v || (u < v && !scope_[u])) CheckPair(v, u, found);
-    };
-    const auto check_around = [&](std::int32_t u) {
-      check(u);
-      mesh_.ForEachOutgoing(u, [&](std::int32_t e) {
-        check(mesh_.Target(e));
-        if (mesh_.twin[SampleMesh::Previous(e)] < 0) check(mesh_.Apex(e));
-      });
-    };
-    check_around(mesh_.Target(h));
-    if (mesh_.twin[SampleMesh::Previous(h)] < 0) check_around(mesh_.Apex(h));
+  template <typename Each>
+  void ForEachNeighbour(std::int32_t v, const Each& each) const {
+    mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
+      each(mesh_.Target(h));
+      if (mesh_.twin[SampleMesh::Previous(h)] < 0) each(mesh_.Apex(h));
+    });
   }
 
-  void CheckPair(std::int32_t c, std::int32_t d, std::vector<Defect>* found) const {
-    double distance = (samples_.position[c] - samples_.position[d]).squaredNorm() /
-                      squared_spacing_[samples_.component[c]];
-    if (!density_.uniform()) {
-      // Where it changes fast the denser of the two ends decides.
-      distance *= std::max(density_.At(samples_.face[c], samples_.weights[c], footprint_),
-                           density_.At(samples_.face[d], samples_.weights[d], footprint_));
-    }
-    if (distance < limits_.least_separation * limits_.least_separation &&
-        FaceCross(surface_, samples_.face[c]).dot(FaceCross(surface_, samples_.face[d])) > 0.0) {
-      Blame({c, d}, distance < grave_.least_separation * grave_.least_separation, found);
+  Sample SampleAt(std::int32_t v) const {
+    return {
+        v, samples_.position[v],
+        density_.uniform() ? 1.0 : density_.At(samples_.face[v], samples_.weights[v], footprint_)};
+  }
+
+  void CheckPair(const Sample& c, const Sample& d, std::vector<Defect>* found) const {
+    // Where the density changes fast the denser of the two ends decides.
+    const double distance =
+        (c.position - d.position).squaredNorm() * std::max(c.density, d.density);
+    const double unit = squared_spacing_[samples_.component[c.vertex]];
+    if (distance < limits_.least_separation * limits_.least_separation * unit &&
+        (scope_[c.vertex] | scope_[d.vertex]) != 0 &&
+        FaceCross(surface_, samples_.face[c.vertex])
+                .dot(FaceCross(surface_, samples_.face[d.vertex])) > 0.0) {
+      Blame({c.vertex, d.vertex},
+            distance < grave_.least_separation * grave_.least_separation * unit, found);
     }
   }
 
@@ -194,6 +224,15 @@ std::vector<Defect> FindDefects(const Surface& surface, const Density& density, 
                                 Interrupt* interrupt) {
   const DefectSearch search(surface, density, plan, mesh, samples, limits, grave, scope);
   const std::int32_t most = std::max(mesh.triangle_count(), mesh.vertex_count());
+  std::vector<std::uint8_t> is_middle;
+  if (limits.all_near) {
+    is_middle.assign(static_cast<std::size_t>(mesh.vertex_count()), 0);
+    parallel.ForRanges(mesh.vertex_count(), kPiece, [&](std::int64_t first, std::int64_t end) {
+      for (std::int64_t v = first; v < end; ++v) {
+        search.MarkMiddles(static_cast<std::int32_t>(v), &is_middle);
+      }
+    });
+  }
   std::vector<std::vector<Defect>> pieces((most + kPiece - 1) / kPiece);
   parallel.For(static_cast<std::int64_t>(pieces.size()), [&, stop = *interrupt](std::int64_t p) {
     if (Interrupt(stop).Requested()) return;
@@ -203,8 +242,10 @@ std::vector<Defect> FindDefects(const Surface& surface, const Density& density, 
     for (std::int32_t t = first; t < std::min(end, mesh.triangle_count()); ++t) {
       search.CheckTriangle(t, &found);
     }
+    std::vector<Sample> ring;
     for (std::int32_t v = first; v < std::min(end, mesh.vertex_count()); ++v) {
       search.CheckSample(v, &found);
+      if (!is_middle.empty() && is_middle[v] != 0) search.CheckAround(v, &ring, &found);
     }
   });
   std::vector<Defect> found;

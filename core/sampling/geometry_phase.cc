@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/sampling/capacity_sums.h"
 #include "core/sampling/ring.h"
 #include "core/surface/frame.h"
 
@@ -95,7 +96,10 @@ double GeometryPhase::MeanDensity(std::int32_t t) const {
   return 0.25 * sum;
 }
 
-void GeometryPhase::UpdateAllDensities(Interrupt* interrupt) {
+void GeometryPhase::TakeOver(Interrupt* interrupt) {
+  parallel_.ForRanges(samples_.count(), kPiece, [&](std::int64_t first, std::int64_t end) {
+    for (std::int64_t v = first; v < end; ++v) NotePlace(static_cast<std::int32_t>(v));
+  });
   std::fill(is_outdated_.begin(), is_outdated_.end(), std::uint8_t{1});
   UpdateDensities(interrupt);
 }
@@ -163,29 +167,28 @@ GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
   if (mesh_.triangle_count() == 0) return {};
   // Sums of pieces, put together in their order: the same bits on any number of threads.
   const std::int32_t count = mesh_.triangle_count();
-  std::vector<std::array<double, 2>> sums((count + kPiece - 1) / kPiece);
-  parallel_.For(static_cast<std::int64_t>(sums.size()), [&](std::int64_t p) {
+  const CapacitySources sources = {
+      .places = places_.data(),
+      .origins = mesh_.origin.data(),
+      .components = samples_.component.data(),
+      .scales = scale_.data(),
+      .densities = mean_density_.empty() ? nullptr : mean_density_.data()};
+  std::vector<CapacitySums> pieces((count + kPiece - 1) / kPiece);
+  parallel_.For(static_cast<std::int64_t>(pieces.size()), [&](std::int64_t p) {
     const auto first = static_cast<std::int32_t>(p) * kPiece;
-    double sum = 0.0;
-    double squares = 0.0;
-    for (std::int32_t t = first; t < first + std::min(kPiece, count - first); ++t) {
-      const double c = Capacity(t);
-      sum += c;
-      squares += c * c;
-    }
-    sums[static_cast<std::size_t>(p)] = {sum, squares};
+    pieces[static_cast<std::size_t>(p)] =
+        SumCapacities(sources, registers_, first, first + std::min(kPiece, count - first));
   });
-  double sum = 0.0;
-  double squares = 0.0;
-  for (const std::array<double, 2>& piece : sums) {
-    sum += piece[0];
-    squares += piece[1];
+  CapacitySums sums;
+  for (const CapacitySums& piece : pieces) {
+    sums.apart += piece.apart;
+    sums.square += piece.square;
   }
-  const double mean = sum / mesh_.triangle_count();
-  const double square = squares / mesh_.triangle_count();
+  const double apart = sums.apart / count;
+  const double square = sums.square / count;
   Spread spread;
-  spread.energy = energy_ == Energy::kTarget ? square - 2.0 * mean + 1.0 : square;
-  spread.cv = mean > 0.0 ? std::sqrt(std::max(0.0, square - mean * mean)) / mean : 0.0;
+  spread.energy = energy_ == Energy::kTarget ? square : square + 2.0 * apart + 1.0;
+  spread.cv = apart > -1.0 ? std::sqrt(std::max(0.0, square - apart * apart)) / (1.0 + apart) : 0.0;
   return spread;
 }
 

@@ -66,8 +66,8 @@ class GeometryPhase {
   /// with the next call. Cost O(such triangles).
   void UpdateDensities(Interrupt* interrupt);
 
-  /// The same over all triangles: the mesh or the samples were replaced.
-  void UpdateAllDensities(Interrupt* interrupt);
+  /// Looks at all samples and integrates all densities anew: the mesh or the samples were replaced.
+  void TakeOver(Interrupt* interrupt);
 
   /// Marks `v`, whose triangles have changed, and its neighbours for the next pass.
   void Activate(std::int32_t v);

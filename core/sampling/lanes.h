@@ -9,8 +9,8 @@
 namespace ccst {
 
 // Eight numbers at a time, in whatever registers the calling function is compiled for: the order of
-// operations is written here, so that any registers give the same bits. For ring.cc and
-// ring_batch.cc, which are compiled for several.
+// operations is written here, so that any registers give the same bits. For ring.cc,
+// ring_batch.cc and capacity_sums.cc, which are compiled for several.
 
 #define CCST_INLINE [[gnu::always_inline]] inline
 

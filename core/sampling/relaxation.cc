@@ -139,7 +139,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
   const auto finish = [&](Termination termination) {
     if (best.defects != std::numeric_limits<std::size_t>::max()) {
       best.state.Restore(surface, parallel, mesh, samples);
-      geometry.UpdateAllDensities(stop);
+      geometry.TakeOver(stop);
     }
     // Passes keep normals in single precision.
     ForEach(parallel, *samples, [&](std::int32_t v) {

@@ -1,6 +1,10 @@
 #include "core/sampling/relocation.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <set>
 #include <stop_token>
 #include <vector>
 
@@ -54,6 +58,64 @@ TEST(FindDefects, LooksOnlyInItsScope) {
   EXPECT_TRUE(FindDefects(start.surface, start.density, start.plan, start.mesh, start.samples,
                           kLimits, kLimits, nowhere, Parallel(), &never)
                   .empty());
+}
+
+std::vector<std::set<std::int32_t>> NeighboursByHand(const SampleMesh& mesh) {
+  std::vector<std::set<std::int32_t>> neighbours(mesh.vertex_count());
+  for (std::size_t t = 0; t < mesh.origin.size(); t += 3) {
+    for (int k = 0; k < 3; ++k) {
+      for (int l = 1; l < 3; ++l) {
+        neighbours[mesh.origin[t + k]].insert(mesh.origin[t + (k + l) % 3]);
+      }
+    }
+  }
+  return neighbours;
+}
+
+// Every pair up to two edges apart, found by sets, has one of its two named, and none else is.
+TEST(FindDefects, NamesOneOfEveryNearPairOfTheScope) {
+  const Start start = *MakeStart(shapes::Cylinder(1, 2, 40, 20), 1000, 1);
+  const std::vector<std::set<std::int32_t>> neighbours = NeighboursByHand(start.mesh);
+  std::vector<std::uint8_t> scope(start.samples.count(), 0);
+  for (std::size_t v = 0; v < scope.size(); ++v) scope[v] = v % 3 == 0 ? 1 : 0;
+  DefectLimits limits = kLimits;
+  limits.least_facing = -2.0;  // Triangles that are turned over are none of it.
+  // Of equilateral triangles of the target capacity.
+  const double spacing =
+      limits.least_separation * std::sqrt(4.0 / std::sqrt(3.0) * start.plan.components[0].target);
+  std::vector<std::set<std::int32_t>> pairs(scope.size());
+  for (std::int32_t v = 0; v < start.samples.count(); ++v) {
+    for (const std::int32_t middle : neighbours[v]) {
+      std::set<std::int32_t> others = neighbours[middle];
+      others.insert(middle);
+      others.erase(v);
+      for (const std::int32_t u : others) {
+        if (scope[v] == 0 && scope[u] == 0) continue;
+        if ((start.samples.position[v] - start.samples.position[u]).norm() < spacing) {
+          pairs[v].insert(u);
+        }
+      }
+    }
+  }
+  Interrupt never;
+  const std::vector<Defect> found =
+      FindDefects(start.surface, start.density, start.plan, start.mesh, start.samples, limits,
+                  limits, scope, Parallel(), &never);
+  ASSERT_GT(found.size(), 5u);
+  std::set<std::int32_t> named;
+  for (const Defect& defect : found) named.insert(defect.sample);
+  const auto is_interior = [&](std::int32_t v) {
+    return start.samples.kind[v] == SampleMesh::Kind::kInterior;
+  };
+  for (std::int32_t v = 0; v < start.samples.count(); ++v) {
+    if (named.count(v) != 0) {
+      EXPECT_FALSE(pairs[v].empty()) << v;
+    }
+    for (const std::int32_t u : pairs[v]) {
+      if (!is_interior(u) && !is_interior(v)) continue;
+      EXPECT_TRUE(named.count(u) != 0 || named.count(v) != 0) << u << " and " << v;
+    }
+  }
 }
 
 TEST(FindDefects, CloseSheetsAreNone) {
