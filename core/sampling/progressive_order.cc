@@ -13,18 +13,20 @@ namespace {
 
 constexpr std::uint64_t kOrderStream = 0x6f72646572;  // "order"
 
-/// Radius over r_max of the samples accepted, when darts find no more room.
+/// Radius over r_max of the samples chosen, when darts find no more room.
 constexpr double kDartRadius = 0.7;
 /// Share of the samples that darts choose. The rest need no radius: they are far enough apart.
 constexpr double kDartShare = 0.4;
-/// Darts thrown for each one that is expected to be accepted.
+/// Darts thrown for each one that is expected to be chosen.
 constexpr double kDartsPerSample = 12.0;
 
+/// From this share of all samples on, it pays to go through all first.
+constexpr double kSweptShare = 0.25;
 /// Darts thrown before what they hit is taken into account, and those that one thread looks at.
 constexpr std::size_t kVolley = 8192;
 constexpr std::int64_t kPiece = 512;
 
-/// Accepted samples in the cells of a grid, found through a hash of the cell.
+/// Chosen samples in the cells of a grid, found through a hash of the cell.
 class Grid {
  public:
   explicit Grid(std::size_t capacity)
@@ -94,6 +96,144 @@ void SortInRuns(std::vector<std::pair<double, std::int32_t>>* keys, Interrupt* i
   }
 }
 
+/// A sample in the order in which they are thrown: by a random number, and equal ones by index.
+using Dart = std::pair<double, std::int32_t>;
+
+/// The samples chosen so far, and what chooses more.
+class Darts {
+ public:
+  /// What ProgressiveOrder() gets.
+  Darts(std::span<const Eigen::Vector3d> positions, std::span<const Eigen::Vector3d> normals,
+        std::span<const double> scales, std::uint64_t seed, Interrupt* interrupt,
+        const Parallel& parallel)
+      : positions_(positions),
+        normals_(normals),
+        scales_(scales),
+        random_(seed, kOrderStream),
+        interrupt_(*interrupt),
+        parallel_(parallel),
+        largest_scale_(scales.empty() ? 1.0 : *std::max_element(scales.begin(), scales.end())),
+        throws_(positions.size()),
+        taken_(positions.size(), 0),
+        grid_(positions.size()),
+        fresh_(std::min(positions.size(), kVolley)) {
+    for (std::size_t i = 0; i < throws_.size(); ++i) throws_[i] = DartOf(i);
+    SortInRuns(&throws_, interrupt);
+    order_.reserve(positions.size());
+  }
+
+  /// Throws the first `count` and chooses those that are not within `radius`, times the scales, of
+  /// one chosen before. Unfinished when interrupted.
+  void Throw(std::size_t count, double radius) {
+    radius_ = radius;
+    grid_.Reset(2.0 * radius * largest_scale_);
+    for (const std::int32_t i : order_) grid_.Insert(i, positions_[i]);
+    if (interrupt_.Requested()) return;
+    if (static_cast<double>(count) >= kSweptShare * static_cast<double>(throws_.size())) {
+      ThrowVolleys(WithRoom(count));
+    } else {
+      ThrowVolleys(std::span(throws_).first(count));
+    }
+  }
+
+  /// The chosen and, unless interrupted, after them the others as they are thrown.
+  std::vector<std::int32_t> Order() && {
+    if (interrupt_.Requested()) return std::move(order_);
+    for (const auto& [key, i] : throws_) {
+      if (!taken_[i]) order_.push_back(i);
+    }
+    return std::move(order_);
+  }
+
+ private:
+  Dart DartOf(std::size_t i) const { return {random_.Uniform(i), static_cast<std::int32_t>(i)}; }
+
+  bool AreNear(std::int32_t i, std::int32_t j) const {
+    const double scale = scales_.empty() ? 2.0 : scales_[i] + scales_[j];
+    const double apart = 0.5 * radius_ * scale;
+    return (positions_[i] - positions_[j]).squaredNorm() < apart * apart &&
+           normals_[i].dot(normals_[j]) > 0.0;
+  }
+
+  /// True when `i` is chosen or near one that the grid knows of.
+  bool IsHopeless(std::int32_t i) const {
+    return taken_[i] != 0 ||
+           grid_.Any(positions_[i], [&](std::int32_t j) { return AreNear(i, j); });
+  }
+
+  /// Those of the first `count` that have a chance so far. Asks in the order of the samples, in
+  /// which neighbours look into the same cells.
+  std::vector<Dart> WithRoom(std::size_t count) const;
+  void ThrowVolleys(std::span<const Dart> darts);
+
+  const std::span<const Eigen::Vector3d> positions_;
+  const std::span<const Eigen::Vector3d> normals_;
+  const std::span<const double> scales_;
+  const CounterRandom random_;
+  Interrupt& interrupt_;
+  const Parallel& parallel_;
+  const double largest_scale_;
+  double radius_ = 0.0;
+  std::vector<Dart> throws_;
+  std::vector<std::uint8_t> taken_;
+  std::vector<std::int32_t> order_;
+  Grid grid_;   // The chosen.
+  Grid fresh_;  // What the volley under way has added to them.
+};
+
+std::vector<Dart> Darts::WithRoom(std::size_t count) const {
+  const Dart last = throws_[count - 1];
+  std::vector<std::uint8_t> has_room(positions_.size(), 0);
+  parallel_.ForRanges(static_cast<std::int64_t>(positions_.size()), kPiece,
+                      [&, stop = interrupt_](std::int64_t first, std::int64_t end) {
+                        if (Interrupt(stop).Requested()) return;
+                        for (auto i = static_cast<std::size_t>(first);
+                             i < static_cast<std::size_t>(end); ++i) {
+                          const Dart dart = DartOf(i);
+                          has_room[i] = dart <= last && !IsHopeless(dart.second) ? 1 : 0;
+                        }
+                      });
+  std::vector<Dart> darts;
+  for (const Dart& dart : std::span(throws_).first(count)) {
+    if (has_room[dart.second] != 0) darts.push_back(dart);
+  }
+  return darts;
+}
+
+void Darts::ThrowVolleys(std::span<const Dart> darts) {
+  std::vector<std::int32_t> added;
+  std::vector<std::uint8_t> hopeless(kVolley);  // Per dart of a volley.
+  for (std::size_t first = 0; first < darts.size(); first += kVolley) {
+    // Most darts fall near what was chosen before their volley: threads find out which. The rest
+    // are looked at one after the other.
+    const std::size_t end = std::min(darts.size(), first + kVolley);
+    parallel_.ForRanges(static_cast<std::int64_t>(end - first), kPiece,
+                        [&, stop = interrupt_](std::int64_t from, std::int64_t to) {
+                          if (Interrupt(stop).Requested()) return;
+                          for (auto k = static_cast<std::size_t>(from);
+                               k < static_cast<std::size_t>(to); ++k) {
+                            hopeless[k] = IsHopeless(darts[first + k].second) ? 1 : 0;
+                          }
+                        });
+    fresh_.Reset(2.0 * radius_ * largest_scale_);
+    added.clear();
+    for (std::size_t k = first; k < end; ++k) {
+      if (interrupt_.RequestedAt(static_cast<std::int64_t>(k))) return;
+      const std::int32_t i = darts[k].second;
+      if (hopeless[k - first] != 0) continue;
+      const bool crowded = fresh_.Any(positions_[i], [&](std::int32_t a) {
+        return AreNear(i, added[static_cast<std::size_t>(a)]);
+      });
+      if (crowded) continue;
+      fresh_.Insert(static_cast<std::int32_t>(added.size()), positions_[i]);
+      added.push_back(i);
+      taken_[i] = 1;
+      order_.push_back(i);
+      grid_.Insert(i, positions_[i]);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::int32_t> ProgressiveOrder(std::span<const Eigen::Vector3d> positions,
@@ -101,76 +241,16 @@ std::vector<std::int32_t> ProgressiveOrder(std::span<const Eigen::Vector3d> posi
                                            std::span<const double> scales, double r_max,
                                            std::uint64_t seed, Interrupt* interrupt,
                                            const Parallel& parallel) {
-  const std::size_t n = positions.size();
-  const CounterRandom random(seed, kOrderStream);
-  std::vector<std::pair<double, std::int32_t>> keys(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    keys[i] = {random.Uniform(i), static_cast<std::int32_t>(i)};
-  }
-  SortInRuns(&keys, interrupt);
-
-  const double largest_scale =
-      scales.empty() ? 1.0 : *std::max_element(scales.begin(), scales.end());
-  const auto scale = [&](std::int32_t i) { return scales.empty() ? 1.0 : scales[i]; };
-  std::vector<std::int32_t> order;
-  order.reserve(n);
-  std::vector<std::uint8_t> taken(n, 0);
-  Grid grid(n);
-  Grid fresh(std::min(n, kVolley));  // What the volley under way has added.
-  std::vector<std::int32_t> added;
-  std::vector<std::uint8_t> hopeless(kVolley);  // Per dart of a volley.
-  const double chosen = kDartShare * static_cast<double>(n);
+  const auto n = static_cast<double>(positions.size());
+  Darts darts(positions, normals, scales, seed, interrupt, parallel);
+  const double chosen = kDartShare * n;
   const int levels = std::max(0, static_cast<int>(std::ceil(std::log2(std::max(1.0, chosen)))));
-  for (int level = levels; level >= 0; --level) {
+  for (int level = levels; level >= 0 && !interrupt->Requested(); --level) {
     const double aim = chosen / std::exp2(level);
-    const double radius = kDartRadius * r_max * std::sqrt(static_cast<double>(n) / aim);
-    grid.Reset(2.0 * radius * largest_scale);
-    if (interrupt->Requested()) return order;
-    for (const std::int32_t i : order) grid.Insert(i, positions[i]);
-    const auto darts = std::min(n, static_cast<std::size_t>(std::ceil(kDartsPerSample * aim)));
-    const auto is_near = [&](std::int32_t i, std::int32_t j) {
-      const double apart = 0.5 * radius * (scale(i) + scale(j));
-      return (positions[i] - positions[j]).squaredNorm() < apart * apart &&
-             normals[i].dot(normals[j]) > 0.0;
-    };
-    for (std::size_t first = 0; first < darts; first += kVolley) {
-      // Most darts fall near what was accepted before their volley: threads find out which. The
-      // rest are looked at one after the other.
-      const std::size_t end = std::min(darts, first + kVolley);
-      parallel.ForRanges(
-          static_cast<std::int64_t>(end - first), kPiece,
-          [&, stop = *interrupt](std::int64_t from, std::int64_t to) {
-            if (Interrupt(stop).Requested()) return;
-            for (auto k = static_cast<std::size_t>(from); k < static_cast<std::size_t>(to); ++k) {
-              const std::int32_t i = keys[first + k].second;
-              hopeless[k] = taken[i] != 0 || grid.Any(positions[i],
-                                                      [&](std::int32_t j) { return is_near(i, j); })
-                                ? 1
-                                : 0;
-            }
-          });
-      fresh.Reset(2.0 * radius * largest_scale);
-      added.clear();
-      for (std::size_t k = first; k < end; ++k) {
-        if (interrupt->RequestedAt(static_cast<std::int64_t>(k))) return order;
-        const std::int32_t i = keys[k].second;
-        if (hopeless[k - first] != 0) continue;
-        const bool crowded = fresh.Any(positions[i], [&](std::int32_t a) {
-          return is_near(i, added[static_cast<std::size_t>(a)]);
-        });
-        if (crowded) continue;
-        fresh.Insert(static_cast<std::int32_t>(added.size()), positions[i]);
-        added.push_back(i);
-        taken[i] = 1;
-        order.push_back(i);
-        grid.Insert(i, positions[i]);
-      }
-    }
+    const double count = std::min(n, std::ceil(kDartsPerSample * aim));
+    darts.Throw(static_cast<std::size_t>(count), kDartRadius * r_max * std::sqrt(n / aim));
   }
-  for (const auto& [key, i] : keys) {
-    if (!taken[i]) order.push_back(i);
-  }
-  return order;
+  return std::move(darts).Order();
 }
 
 }  // namespace ccst
