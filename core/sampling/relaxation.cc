@@ -62,15 +62,16 @@ void ForEach(const Parallel& parallel, const Samples& samples, const Each& each)
 /// What changes of samples and their mesh, without what follows from it.
 class Snapshot {
  public:
-  Snapshot() = default;
-  Snapshot(const SampleMesh& mesh, const Samples& samples)
-      : origin_(mesh.origin),
-        twin_(mesh.twin),
-        locked_(mesh.locked),
-        outgoing_(mesh.outgoing),
-        face_(samples.face),
-        weights_(samples.weights),
-        arc_(samples.arc) {}
+  /// In the place of what was taken before: a second one would not fit beside it.
+  void Take(const SampleMesh& mesh, const Samples& samples) {
+    origin_ = mesh.origin;
+    twin_ = mesh.twin;
+    locked_ = mesh.locked;
+    outgoing_ = mesh.outgoing;
+    face_ = samples.face;
+    weights_ = samples.weights;
+    arc_ = samples.arc;
+  }
 
   void Restore(const Surface& surface, const Parallel& parallel, SampleMesh* mesh,
                Samples* samples) {
@@ -227,7 +228,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
                                                  defects.begin(), defects.end(),
                                                  [](const Defect& d) { return d.grave; })));
       if (count < best.defects) {
-        best.state = Snapshot(*mesh, *samples);
+        best.state.Take(*mesh, *samples);
         best.defects = count;
       } else {
         ++failed;
