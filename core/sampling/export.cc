@@ -5,9 +5,16 @@
 #include "core/sampling/attributes.h"
 
 namespace ccst {
+namespace {
+
+/// Samples or triangles that one thread takes in one go.
+constexpr std::int64_t kPiece = 8192;
+
+}  // namespace
 
 SampleSet ExportSamples(const TriangleMesh& mesh, const SourceMap& sources, const Samples& samples,
-                        const SampleMesh& triangulation, const std::vector<std::int32_t>& order) {
+                        const SampleMesh& triangulation, const std::vector<std::int32_t>& order,
+                        const Parallel& parallel) {
   SampleSet set;
   const std::size_t n = order.size();
   set.faces.resize(n);
@@ -15,7 +22,7 @@ SampleSet ExportSamples(const TriangleMesh& mesh, const SourceMap& sources, cons
   set.barycentrics.resize(n);
   set.positions.resize(n);
   std::vector<std::int32_t> place(n);
-  for (std::size_t k = 0; k < n; ++k) {
+  const auto export_one = [&](std::size_t k) {
     const std::int32_t i = order[k];
     place[i] = static_cast<std::int32_t>(k);
     // The two weights that are reported determine the position; the third is what they leave.
@@ -28,13 +35,22 @@ SampleSet ExportSamples(const TriangleMesh& mesh, const SourceMap& sources, cons
     const Eigen::Vector3i& face = mesh.faces[set.faces[k]];
     set.positions[k] = u * mesh.positions[face[0]] + v * mesh.positions[face[1]] +
                        (1.0 - u - v) * mesh.positions[face[2]];
-  }
-  set.triangles.reserve(triangulation.triangle_count());
-  for (std::int32_t t = 0; t < triangulation.triangle_count(); ++t) {
-    set.triangles.emplace_back(place[triangulation.origin[3 * t]],
-                               place[triangulation.origin[3 * t + 1]],
-                               place[triangulation.origin[3 * t + 2]]);
-  }
+  };
+  parallel.ForRanges(static_cast<std::int64_t>(n), kPiece,
+                     [&](std::int64_t first, std::int64_t end) {
+                       for (std::int64_t k = first; k < end; ++k) {
+                         export_one(static_cast<std::size_t>(k));
+                       }
+                     });
+  set.triangles.resize(static_cast<std::size_t>(triangulation.triangle_count()));
+  parallel.ForRanges(triangulation.triangle_count(), kPiece,
+                     [&](std::int64_t first, std::int64_t end) {
+                       for (std::int64_t t = first; t < end; ++t) {
+                         const std::int32_t* corner = &triangulation.origin[3 * t];
+                         set.triangles[static_cast<std::size_t>(t)] = {
+                             place[corner[0]], place[corner[1]], place[corner[2]]};
+                       }
+                     });
   set.attributes = InterpolateAttributes(mesh, set);
   return set;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/mesh/triangle_mesh.h"
+#include "core/parallel/parallel.h"
 #include "core/sampling/sample_mesh.h"
 #include "core/sampling/samples.h"
 #include "core/sampling/sampling.h"
@@ -14,7 +15,9 @@ namespace ccst {
 /// The samples as callers see them: on the faces of the input, in mesh units.
 /// @param mesh     the input. @param sources  where the surface's faces lie on it.
 /// @param order    a permutation: entry k is the sample that becomes the k-th.
+/// The same on any number of threads.
 SampleSet ExportSamples(const TriangleMesh& mesh, const SourceMap& sources, const Samples& samples,
-                        const SampleMesh& triangulation, const std::vector<std::int32_t>& order);
+                        const SampleMesh& triangulation, const std::vector<std::int32_t>& order,
+                        const Parallel& parallel);
 
 }  // namespace ccst

@@ -50,6 +50,10 @@ constexpr int kWindow = 3;
 
 constexpr int kPassesPerAlternation = 3;
 
+/// Between the points in which projections look up far places, in spacings: following their hosts
+/// finds the rest of the way, and more of them would be much of the memory.
+constexpr double kDenseSpacing = 2.0;
+
 /// Calls `each(v)` for every sample.
 template <typename Each>
 void ForEach(const Parallel& parallel, const Samples& samples, const Each& each) {
@@ -113,7 +117,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
   GeometryPhase geometry(&surface, &density, &plan, options.energy, mesh, samples, &parallel, stop);
   EdgeFlips flips(mesh, &samples->position, &samples->normal);
   const Coverage coverage(&surface, &density, &plan, &parallel, stop);
-  Projection projection(&surface, 0.5 * plan.spacing, &parallel);
+  Projection projection(&surface, kDenseSpacing * plan.spacing, &parallel);
 
   AlternationReport state;
   state.alternation_limit = options.max_iterations;

@@ -333,7 +333,7 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
     result.relative_radius = 0.0;
     order = OwnOrder(first.samples);
   }
-  result.samples = ExportSamples(mesh, sources, first.samples, first.mesh, order);
+  result.samples = ExportSamples(mesh, sources, first.samples, first.mesh, order, parallel);
   return result;
 }
 
