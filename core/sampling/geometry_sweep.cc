@@ -58,6 +58,7 @@ void GeometryPhase::VisitTogether(Batch* batch, Ring* ring, Block* block) {
                                 .weights = samples_.weights.data(),
                                 .corners = surface_.faces().data(),
                                 .vertices = hosts_.data(),
+                                .surface = &surface_,
                                 .densities = mean_density_.empty() ? nullptr : mean_density_.data(),
                                 .triangles = triangles_.data(),
                                 .energy = energy_,
@@ -80,7 +81,7 @@ void GeometryPhase::VisitTogether(Batch* batch, Ring* ring, Block* block) {
     const double* position = batch->position[k];
     const double* weights = batch->weights[k];
     MoveTo(v,
-           {.face = samples_.face[v],
+           {.face = batch->face[k],
             .weights = {weights[0], weights[1], weights[2]},
             .position = {position[0], position[1], position[2]}},
            {batch->normal[0][k], batch->normal[1][k], batch->normal[2][k]});

@@ -116,10 +116,11 @@ CCST_INLINE void GatherRings(const BatchSources& sources, const Batch& batch, Ri
   }
 }
 
-/// Steps along the surface to second order, their part within the hosts.
+/// Steps along the surface to second order, and what they come to in the plane of the hosts.
 struct Steps {
   Choice known;      ///< The energy has a minimum to go to.
   Choice none;       ///< It is too near.
+  Lanes3 wanted;     ///< Where they are to end, relative to the vertices.
   Lanes weights[2];  ///< What corners 1 and 2 gain.
   Lanes3 step;
   Lanes spacing;  ///< Of regular rings of these areas.
@@ -170,28 +171,53 @@ CCST_INLINE Steps FindSteps(const BatchSources& sources, const Rings& rings, con
   const Lanes du = factor * u;
   const Lanes dw = factor * w;
   const Lanes rise = 0.5F * (ii11 * du * du + 2.0F * ii12 * du * dw + ii22 * dw * dw);
-  const Lanes3 wanted = du * t1 + dw * t2 + rise * n;
+  steps.wanted = du * t1 + dw * t2 + rise * n;
   // The nearest point of the host's plane.
   const Lanes3 across = Cross(hosts.first, hosts.second);
   const Lanes over_square = 1.0F / Dot(across, across);
-  steps.weights[0] = Masked(~steps.none, Dot(wanted, Cross(hosts.second, across)) * over_square);
-  steps.weights[1] = Masked(~steps.none, Dot(wanted, Cross(across, hosts.first)) * over_square);
+  steps.weights[0] =
+      Masked(~steps.none, Dot(steps.wanted, Cross(hosts.second, across)) * over_square);
+  steps.weights[1] =
+      Masked(~steps.none, Dot(steps.wanted, Cross(across, hosts.first)) * over_square);
   steps.step = steps.weights[0] * hosts.first + steps.weights[1] * hosts.second;
   return steps;
 }
 
-/// Takes the vertices to where the steps end. @return those still on their host.
-CCST_INLINE Choice Arrive(const BatchSources& sources, const Hosts& hosts, const Steps& steps,
-                          Batch* batch, Lanes3* n) {
-  Choice inside;
+/// Follows a step that leaves its host over the surface and makes it end there. @return the normal
+/// there.
+Row Leave(const BatchSources& sources, int k, Steps* steps, Batch* batch) {
+  const RingPlace& place = sources.places[batch->vertex[k]];
+  const Eigen::Vector3d start(place.x, place.y, place.z);
+  const Lanes3& wanted = steps->wanted;
+  const SurfacePoint point = sources.surface->Follow(
+      batch->face[k], start + Eigen::Vector3d(wanted.x[k], wanted.y[k], wanted.z[k]));
+  const Eigen::Vector3f step = (point.position - start).cast<float>();
+  steps->step.x[k] = step[0];
+  steps->step.y[k] = step[1];
+  steps->step.z[k] = step[2];
+  batch->face[k] = point.face;
+  Eigen::Vector3d::Map(batch->weights[k]) = point.weights;
+  Eigen::Vector3d::Map(batch->position[k]) = point.position;
+  const Eigen::Vector3f normal = sources.surface->NormalAt(point.face, point.weights).cast<float>();
+  return Row{normal[0], normal[1], normal[2], 0.0F};
+}
+
+/// Takes the vertices to where the steps end, and the steps to the surface.
+CCST_INLINE void Arrive(const BatchSources& sources, const Hosts& hosts, Steps* steps, Batch* batch,
+                        Lanes3* n) {
   Row normal[kLanes];
   for (int k = 0; k < kLanes; ++k) {
+    batch->face[k] = sources.faces[batch->vertex[k]];
     const Eigen::Vector3d& before = sources.weights[batch->vertex[k]];
     double* weights = batch->weights[k];
-    weights[1] = before[1] + static_cast<double>(steps.weights[0][k]);
-    weights[2] = before[2] + static_cast<double>(steps.weights[1][k]);
+    weights[1] = before[1] + static_cast<double>(steps->weights[0][k]);
+    weights[2] = before[2] + static_cast<double>(steps->weights[1][k]);
     weights[0] = 1.0 - weights[1] - weights[2];
-    inside[k] = -static_cast<int>((weights[0] > 0.0) & (weights[1] > 0.0) & (weights[2] > 0.0));
+    const bool is_inside = (weights[0] > 0.0) & (weights[1] > 0.0) & (weights[2] > 0.0);
+    if (!is_inside && steps->known[k] != 0 && steps->none[k] == 0) {
+      normal[k] = Leave(sources, k, steps, batch);
+      continue;
+    }
     const HostVertex* const* corner = hosts.corner[k];
     const LongRow position = weights[0] * LoadAs<LongRow>(corner[0]->position) +
                              weights[1] * LoadAs<LongRow>(corner[1]->position) +
@@ -205,7 +231,6 @@ CCST_INLINE Choice Arrive(const BatchSources& sources, const Hosts& hosts, const
   }
   const Lanes3 sum = Transposed(normal);
   *n = (1.0F / Sqrt(Dot(sum, sum))) * sum;
-  return inside;
 }
 
 CCST_INLINE void StepIn(const BatchSources& sources, Batch* batch) {
@@ -216,9 +241,9 @@ CCST_INLINE void StepIn(const BatchSources& sources, Batch* batch) {
   Row rows[kLanes];
   for (int k = 0; k < kLanes; ++k) rows[k] = LoadAs<Row>(&sources.normals[batch->vertex[k]]);
   const Lanes scale = Load(batch->scale);
-  const Steps steps = FindSteps(sources, rings, hosts, scale, Transposed(rows));
+  Steps steps = FindSteps(sources, rings, hosts, scale, Transposed(rows));
   Lanes3 n;
-  Choice settled = Arrive(sources, hosts, steps, batch, &n) & steps.known;
+  Arrive(sources, hosts, &steps, batch, &n);
 
   Lanes energy = {};
   Choice spoilt = {};
@@ -248,7 +273,7 @@ CCST_INLINE void StepIn(const BatchSources& sources, Batch* batch) {
   Store(Masked(~steps.none, Sqrt(Dot(steps.step, steps.step)) / steps.spacing), batch->move);
   const Choice improves =
       energy <= steps.energy - (kRelativeEnergyRounding * steps.energy + kEnergyRounding);
-  settled &= steps.none | (facing & improves);
+  const Choice settled = steps.known & (steps.none | (facing & improves));
   batch->settled = Bits(settled);
   batch->moves = Bits(settled & ~steps.none);
 }

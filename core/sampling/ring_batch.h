@@ -6,6 +6,7 @@
 
 #include "core/sampling/ring.h"
 #include "core/sampling/sampling.h"
+#include "core/surface/surface.h"
 
 namespace ccst {
 
@@ -35,6 +36,7 @@ struct BatchSources {
   const Eigen::Vector3d* weights = nullptr;  ///< On the hosts.
   const Eigen::Vector3i* corners = nullptr;  ///< Of the faces of the surface.
   const HostVertex* vertices = nullptr;      ///< Of the surface.
+  const Surface* surface = nullptr;          ///< To follow over the edges of a host.
   const float* densities = nullptr;          ///< Of the sample triangles; null: 1.
   const SmallRing* triangles = nullptr;      ///< From each neighbour to the next; with densities.
   Energy energy = Energy::kTarget;
@@ -53,14 +55,14 @@ struct Batch {
   unsigned moves = 0;    ///< Bit k: and that is not nothing.
   alignas(32) float move[kSize];           ///< In units of the local spacing.
   alignas(32) std::int32_t spoilt[kSize];  ///< Bit i: the edge to neighbour i is not Delaunay then.
+  std::int32_t face[kSize];                ///< Hosts.
   alignas(32) double position[kSize][4];
   double weights[kSize][3];
   alignas(32) float normal[3][kSize];
 };
 
-/// Computes the step that GeometryPhase makes of every vertex of the batch, as far as it stays on
-/// its host, improves the energy at once and turns no triangle over. Gives the same bits in all
-/// registers.
+/// Computes the step that GeometryPhase makes of every vertex of the batch, as far as it improves
+/// the energy at once and turns no triangle over. Gives the same bits in all registers.
 void Step(const BatchSources& sources, Registers registers, Batch* batch);
 
 /// True when two vertices of the batch are neighbours.
