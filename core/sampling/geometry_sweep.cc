@@ -20,7 +20,7 @@ constexpr std::size_t kFan = 4;
 /// Vertices of a block: enough that few lie between blocks, few enough that there are many blocks.
 /// Of the number of samples alone, for the order of the visits follows from it.
 std::int32_t BlockSize(std::int32_t count) {
-  return count < kLeastForBlocks ? count : std::clamp(count / 12, 1024, 16384);
+  return count < kLeastForBlocks ? count : std::clamp(count / 12, 1024, 3072);
 }
 
 }  // namespace
