@@ -123,10 +123,11 @@ void Coverage::FindCurved(const Density& density, const Plan& plan, Interrupt* i
     }
   }
   limit_.assign(curved_.size(), kLimit);
+  next_.assign(curved_.size(), -1);
 }
 
 UncoveredPlace Coverage::Measure(std::size_t k, const BoxTree& tree, const SampleMesh& mesh,
-                                 const Samples& samples) const {
+                                 const Samples& samples) {
   const std::int32_t v = curved_[k];
   const Eigen::Vector3d& place = surface_.positions()[v];
   UncoveredPlace nearest{v, -1, std::numeric_limits<double>::infinity(), spacing_[k]};
@@ -136,12 +137,18 @@ UncoveredPlace Coverage::Measure(std::size_t k, const BoxTree& tree, const Sampl
     return samples.component[i] == component &&
            samples.normal[i].dot(surface_.normals()[v]) >= -0.5;
   };
-  // Next to a sample, which nearly all are, there is nothing to measure.
-  bool is_next = false;
-  tree.ForEachWithin(place, limit_[k] * spacing_[k], [&](std::int32_t i, double) {
-    is_next = is_next || (may_cover(i) && mesh.outgoing[i] >= 0);
+  const double limit = limit_[k] * spacing_[k];
+  const auto is_next = [&](std::int32_t i) {
+    return may_cover(i) && mesh.outgoing[i] >= 0 &&
+           (samples.position[i] - place).squaredNorm() < limit * limit;
+  };
+  // Mostly the one of the last time still is.
+  if (next_[k] >= 0 && is_next(next_[k])) return nearest;
+  next_[k] = -1;
+  tree.ForEachWithin(place, limit, [&](std::int32_t i, double) {
+    if (next_[k] < 0 && is_next(i)) next_[k] = i;
   });
-  if (is_next) return nearest;
+  if (next_[k] >= 0) return nearest;
   for (const std::int32_t i : NearestSamples(tree, place, spacing_[k])) {
     if (!may_cover(i)) continue;
     mesh.ForEachOutgoing(i, [&](std::int32_t h) {
@@ -160,7 +167,7 @@ UncoveredPlace Coverage::Measure(std::size_t k, const BoxTree& tree, const Sampl
 }
 
 std::vector<UncoveredPlace> Coverage::FindUncovered(const SampleMesh& mesh, const Samples& samples,
-                                                    Interrupt* interrupt) const {
+                                                    Interrupt* interrupt) {
   std::vector<UncoveredPlace> found;
   if (curved_.empty()) return found;
   BoxTree tree;

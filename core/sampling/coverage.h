@@ -35,19 +35,21 @@ class Coverage {
   /// by half of one, farthest first, no two within a spacing of one another. When `interrupt` is
   /// requested, the list is unfinished. Cost O(n + curved vertices).
   std::vector<UncoveredPlace> FindUncovered(const SampleMesh& mesh, const Samples& samples,
-                                            Interrupt* interrupt) const;
+                                            Interrupt* interrupt);
 
  private:
   void FindCurved(const Density& density, const Plan& plan, Interrupt* interrupt);
-  // How far curved vertex `k` is from the triangles near it.
+  // How far curved vertex `k` is from the triangles near it; infinitely far from none where there
+  // is a sample next to it, which nearly all have.
   UncoveredPlace Measure(std::size_t k, const BoxTree& tree, const SampleMesh& mesh,
-                         const Samples& samples) const;
+                         const Samples& samples);
 
   const Surface& surface_;
   const Parallel& parallel_;
   std::vector<std::int32_t> curved_;  // Vertices of the surface.
   std::vector<double> spacing_;       // Per curved vertex.
   std::vector<double> limit_;         // Per curved vertex, in spacings.
+  std::vector<std::int32_t> next_;    // Per curved vertex: a sample that was next to it, or -1.
 };
 
 }  // namespace ccst

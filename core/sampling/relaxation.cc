@@ -116,7 +116,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
   const Parallel parallel(options.thread_count);
   GeometryPhase geometry(&surface, &density, &plan, options.energy, mesh, samples, &parallel, stop);
   EdgeFlips flips(mesh, &samples->position, &samples->normal);
-  const Coverage coverage(&surface, &density, &plan, &parallel, stop);
+  Coverage coverage(&surface, &density, &plan, &parallel, stop);
   Projection projection(&surface, kDenseSpacing * plan.spacing, &parallel);
 
   AlternationReport state;
