@@ -57,7 +57,7 @@ std::vector<std::int32_t> NearestSamples(const BoxTree& tree, const Eigen::Vecto
   std::vector<std::pair<double, std::int32_t>> found;
   // Both are in a cube of side 1.
   for (bool all = false; !all && found.size() < kNearest; radius *= 2.0) {
-    all = radius > 2.0;
+    all = !(radius > 0.0 && radius <= 2.0);
     found.clear();
     tree.ForEachWithin(place, radius,
                        [&](std::int32_t i, double squared) { found.emplace_back(squared, i); });

@@ -136,7 +136,7 @@ void PointTreeBuild(benchmark::State& state) {
 }
 BENCHMARK(PointTreeBuild)
     ->ArgNames({"faces", "threads"})
-    ->ArgsProduct({{10'000, 100'000, 1'000'000}, {1, 2}})
+    ->ArgsProduct({benchmark::CreateRange(kLeastFaces, kMostFaces, 10), {1, 2}})
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
