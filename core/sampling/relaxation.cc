@@ -28,7 +28,7 @@ constexpr int kMaxFailedMends = 14;
 constexpr DefectLimits kMendLimits = {.least_facing = 0.2,
                                       .least_separation = 0.66,
                                       .least_angle = 27.0 * std::numbers::pi / 180.0,
-                                      .most_excess = 0.7};
+                                      .most_excess = 0.55};
 
 constexpr DefectLimits kFinalLimits = {.least_facing = kMendLimits.least_facing,
                                        .least_separation = kMendLimits.least_separation,
