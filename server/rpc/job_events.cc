@@ -24,12 +24,6 @@ JobEvents::Kind JobEvents::Next() {
   return TakePreview() ? Kind::kPreview : Kind::kNothing;
 }
 
-bool JobEvents::HasNext() const {
-  return end_.has_value() || job_->Version() != seen_version_ ||
-         job_->Report(next_report_).has_value() ||
-         (preview_count_ != 0 && job_->Preview() != seen_preview_);
-}
-
 bool JobEvents::TakeSnapshot() {
   if (end_.has_value() || job_->Version() == seen_version_) return false;
   const bool first = seen_version_ == 0;

@@ -28,8 +28,6 @@ class JobEvents {
     kEnd,  ///< The job has ended and all was said but this; from now on always.
   };
   Kind Next();
-  /// False when Next() would be kNothing; looks at memory only.
-  bool HasNext() const;
 
   // Of the last Next().
 

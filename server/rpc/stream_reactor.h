@@ -81,8 +81,6 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
       MutexLock lock(mutex_);
       writing_ = false;
       if (!ok) caller_gone_ = true;
-      // What comes from now on pumps by itself; most events come one by one.
-      if (!caller_gone_ && !quiet_ && !HasNext()) return;
     }
     Pump();
   }
@@ -121,8 +119,6 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
   virtual absl::Status Open(Call& call) = 0;
   /// The next message, into a cleared `message`.
   virtual StreamStep Next(Response& message) = 0;
-  /// False when Next() would have to wait; unlike the others on any thread, so it must not block.
-  virtual bool HasNext() const { return true; }
   /// How a stream that is over ends.
   virtual absl::Status end_status() { return absl::OkStatus(); }
   /// A message that says no more than that the stream is alive; false when there is none.

@@ -19,7 +19,6 @@ class WatchReactor final : public StreamReactor<v1::WatchJobResponse> {
  protected:
   absl::Status Open(Call& call) override;
   StreamStep Next(v1::WatchJobResponse& message) override;
-  bool HasNext() const override { return closed_ || events_->HasNext(); }
   absl::Status end_status() override { return end_status_; }
   bool MakeHeartbeat(v1::WatchJobResponse& message) override;
   void Close() override;
