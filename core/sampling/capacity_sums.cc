@@ -53,18 +53,10 @@ CCST_INLINE CapacitySums SumIn(const CapacitySources& sources, std::int32_t firs
   return sums;
 }
 
-#ifdef __x86_64__
-#define CCST_AVX2 __attribute__((target("avx2")))
-#else
-#define CCST_AVX2  // Never chosen.
-#endif
-
 CCST_AVX2 CapacitySums SumWide(const CapacitySources& sources, std::int32_t first,
                                std::int32_t end) {
   return SumIn(sources, first, end);
 }
-
-#undef CCST_AVX2
 
 }  // namespace
 

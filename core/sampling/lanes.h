@@ -14,6 +14,13 @@ namespace ccst {
 
 #define CCST_INLINE [[gnu::always_inline]] inline
 
+/// Marks what is compiled for Registers::kAvx2.
+#ifdef __x86_64__
+#define CCST_AVX2 __attribute__((target("avx2")))
+#else
+#define CCST_AVX2  // Never chosen.
+#endif
+
 inline constexpr int kLanes = 8;
 
 using Lanes = float __attribute__((vector_size(32)));

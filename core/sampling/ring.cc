@@ -174,12 +174,6 @@ CCST_INLINE int FindSpoiltIn(const Ring& ring, const RingAngles& angles,
   return found;
 }
 
-#ifdef __x86_64__
-#define CCST_AVX2 __attribute__((target("avx2")))
-#else
-#define CCST_AVX2  // Never chosen.
-#endif
-
 CCST_AVX2 void FinishWide(const RingPlace* places, const RingNormal* normals, std::int32_t vertex,
                           Ring* ring) {
   FinishIn(places, normals, vertex, ring);
@@ -203,8 +197,6 @@ CCST_AVX2 int FindSpoiltWide(const Ring& ring, const RingAngles& angles,
                              std::array<int, Ring::kMost>* spokes) {
   return FindSpoiltIn(ring, angles, spokes);
 }
-
-#undef CCST_AVX2
 
 }  // namespace
 

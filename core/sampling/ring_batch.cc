@@ -287,19 +287,11 @@ CCST_INLINE bool HasNeighboursIn(const SmallRing* rings, const Batch& batch) {
   return Any(same);
 }
 
-#ifdef __x86_64__
-#define CCST_AVX2 __attribute__((target("avx2")))
-#else
-#define CCST_AVX2  // Never chosen.
-#endif
-
 CCST_AVX2 void StepWide(const BatchSources& sources, Batch* batch) { StepIn(sources, batch); }
 
 CCST_AVX2 bool HasNeighboursWide(const SmallRing* rings, const Batch& batch) {
   return HasNeighboursIn(rings, batch);
 }
-
-#undef CCST_AVX2
 
 }  // namespace
 
