@@ -7,7 +7,6 @@
 
 #include <Eigen/Geometry>
 
-#include "core/sampling/capacity_sums.h"
 #include "core/sampling/ring.h"
 #include "core/surface/frame.h"
 
@@ -163,21 +162,15 @@ double GeometryPhase::Capacity(std::int32_t t) const {
   return 0.5 * scale_[samples_.component[mesh_.origin[3 * t]]] * rho * (b - a).cross(c - a).norm();
 }
 
-GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
-  if (mesh_.triangle_count() == 0) return {};
-  // Sums of pieces, put together in their order: the same bits on any number of threads.
+GeometryPhase::Spread GeometryPhase::SpreadOf(
+    const std::function<CapacitySums(std::int32_t, std::int32_t)>& sum) const {
   const std::int32_t count = mesh_.triangle_count();
-  const CapacitySources sources = {
-      .places = places_.data(),
-      .origins = mesh_.origin.data(),
-      .components = samples_.component.data(),
-      .scales = scale_.data(),
-      .densities = mean_density_.empty() ? nullptr : mean_density_.data()};
+  if (count == 0) return {};
+  // Sums of pieces, put together in their order: the same bits on any number of threads.
   std::vector<CapacitySums> pieces((count + kPiece - 1) / kPiece);
   parallel_.For(static_cast<std::int64_t>(pieces.size()), [&](std::int64_t p) {
     const auto first = static_cast<std::int32_t>(p) * kPiece;
-    pieces[static_cast<std::size_t>(p)] =
-        SumCapacities(sources, registers_, first, first + std::min(kPiece, count - first));
+    pieces[static_cast<std::size_t>(p)] = sum(first, first + std::min(kPiece, count - first));
   });
   CapacitySums sums;
   for (const CapacitySums& piece : pieces) {
@@ -190,6 +183,30 @@ GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
   spread.energy = energy_ == Energy::kTarget ? square : square + 2.0 * apart + 1.0;
   spread.cv = apart > -1.0 ? std::sqrt(std::max(0.0, square - apart * apart)) / (1.0 + apart) : 0.0;
   return spread;
+}
+
+GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
+  return SpreadOf([&](std::int32_t first, std::int32_t end) {
+    CapacitySums sums;
+    for (std::int32_t t = first; t < end; ++t) {
+      const double apart = Capacity(t) - 1.0;
+      sums.apart += apart;
+      sums.square += apart * apart;
+    }
+    return sums;
+  });
+}
+
+GeometryPhase::Spread GeometryPhase::EstimateCapacities() const {
+  const CapacitySources sources = {
+      .places = places_.data(),
+      .origins = mesh_.origin.data(),
+      .components = samples_.component.data(),
+      .scales = scale_.data(),
+      .densities = mean_density_.empty() ? nullptr : mean_density_.data()};
+  return SpreadOf([&](std::int32_t first, std::int32_t end) {
+    return SumCapacities(sources, registers_, first, end);
+  });
 }
 
 void GeometryPhase::NotePlace(std::int32_t v) {

@@ -122,7 +122,7 @@ RelaxationReport Relax(const Surface& surface, const Density& density, const Pla
   AlternationReport state;
   state.alternation_limit = options.max_iterations;
   const auto measure = [&] {
-    const GeometryPhase::Spread spread = geometry.MeasureCapacities();
+    const GeometryPhase::Spread spread = geometry.EstimateCapacities();
     result.energy = state.energy = spread.energy;
     result.capacity_cv = state.capacity_cv = spread.cv;
     state.positions = samples->position;

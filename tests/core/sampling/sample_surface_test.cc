@@ -66,8 +66,7 @@ TEST(SampleSurface, FiguresAgreeWithTheQualityRoom) {
   const SamplingResult result = *SampleSurface(mesh, options);
   const quality::CapacityFigures capacity =
       quality::MeasureCapacities(result.samples.positions, result.samples.triangles);
-  // Single precision in each triangle, of which there are many.
-  EXPECT_NEAR(result.capacity_cv, capacity.cv, 1e-8);
+  EXPECT_NEAR(result.capacity_cv, capacity.cv, 1e-9);
   const quality::DistanceFigures distances = quality::MeasureDistances(
       result.samples.positions, result.samples.normals, result.surface.area);
   EXPECT_NEAR(result.relative_radius, distances.relative_radius_same_side, 1e-3);
