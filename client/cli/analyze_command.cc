@@ -6,18 +6,20 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/errors.h"
+#include "client/cli/option_flags.h"
 #include "client/cli/texture_input.h"
 #include "client/render/picture.h"
 #include "client/report/report.h"
 #include "core/analysis/sample_figures.h"
+#include "core/base/printable_text.h"
 #include "core/base/status.h"
 #include "core/io/atomic_file.h"
 #include "core/io/mesh_file.h"
 #include "core/io/sample_file.h"
 #include "core/parallel/parallel.h"
 #include "core/repair/repair.h"
-#include "core/sampling/density_source.h"
-#include "core/sampling/source_map.h"
+#include "core/sampling/input/density_source.h"
+#include "core/sampling/input/source_map.h"
 
 namespace ccst::cli {
 namespace {
@@ -27,8 +29,9 @@ absl::StatusOr<analysis::ReferenceSurface> MakeReference(const TriangleMesh& mes
                                                          const Parallel& parallel) {
   CCST_ASSIGN_OR_RETURN(const RepairedMesh repaired, Repair(mesh, {}, nullptr, parallel));
   CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, nullptr, parallel));
-  CCST_ASSIGN_OR_RETURN(Density density,
-                        MakeDensity(mesh, SourceMap(mesh, repaired), surface, options));
+  CCST_ASSIGN_OR_RETURN(
+      Density density,
+      internal::MakeDensity(mesh, internal::SourceMap(mesh, repaired), surface, options));
   return analysis::ReferenceSurface(std::move(surface), std::move(density));
 }
 
@@ -61,7 +64,7 @@ absl::StatusOr<report::Row> Judge(const SampleGroup& group, const GivenSurface* 
     files.push_back(std::move(file));
   }
   report::Row row;
-  row.name = group.name;
+  row.name = PrintableText(group.name);
   row.count = static_cast<std::int64_t>(files.front().positions.size());
   std::vector<analysis::SampleSetView> sets;
   sets.reserve(files.size());
@@ -84,6 +87,7 @@ absl::StatusOr<report::Row> Judge(const SampleGroup& group, const GivenSurface* 
 }
 
 absl::StatusOr<std::vector<report::Row>> JudgeAll(const AnalyzeCommand& command) {
+  CCST_RETURN_IF_ERROR(CheckOptions(command.density));
   const Parallel parallel(command.thread_count);
   std::optional<GivenSurface> given;
   if (!command.surface.empty()) {
@@ -103,7 +107,7 @@ absl::StatusOr<std::vector<report::Row>> JudgeAll(const AnalyzeCommand& command)
     if (!row.figures.has_value()) {
       std::fprintf(stderr,
                    "%s has no faces: nothing but the count is known without --surface MESH\n",
-                   group.paths.front().c_str());
+                   PrintableText(group.paths.front()).c_str());
     }
     rows.push_back(std::move(row));
   }

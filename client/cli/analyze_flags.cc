@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <sstream>
 #include <thread>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
-#include "client/cli/flag_kinds.h"
+#include "client/cli/option_flags.h"
 #include "client/cli/outputs.h"
+#include "core/base/status.h"
 
 namespace ccst::cli {
 namespace {
@@ -21,7 +23,7 @@ void AddFlags(CLI::App& sub, AnalyzeFlags& flags) {
   sub.add_option("--surface", c.surface,
                  "The mesh that was sampled; without it the sample meshes stand for it")
       ->type_name("MESH");
-  AddDensity(sub, c.density, c.texture_path);
+  AddOptions(sub, c.density, c.texture_path);
   sub.add_option("--json", c.json_path, "Write the figures as JSON, - for standard output")
       ->type_name("FILE");
   sub.add_option("--html", c.html_path, "Write one page with curves, pictures and a table")
@@ -49,6 +51,18 @@ SampleGroup ParseSet(const std::string& text) {
   }
   if (group.name.empty()) group.name = std::filesystem::path(group.paths.front()).filename();
   return group;
+}
+
+absl::Status CheckFiles(const AnalyzeCommand& command) {
+  for (const std::string& path : {command.json_path, command.html_path}) {
+    CCST_RETURN_IF_ERROR(CheckWritable(path));
+  }
+  std::vector<NamedFile> inputs = {{"the mesh", command.surface},
+                                   {"the image", command.texture_path}};
+  for (const SampleGroup& group : command.groups) {
+    for (const std::string& path : group.paths) inputs.push_back({"the samples", path});
+  }
+  return CheckDistinct({{"--json", command.json_path}, {"--html", command.html_path}}, inputs);
 }
 
 }  // namespace
@@ -85,10 +99,8 @@ AnalyzeCommand FinishAnalyzeCommand(const CLI::App& app, const AnalyzeFlags& fla
       command.groups.push_back({std::filesystem::path(set).filename(), {set}});
     }
   }
-  for (const std::string& path : {command.json_path, command.html_path}) {
-    if (const absl::Status status = CheckWritable(path); !status.ok()) {
-      throw CLI::ValidationError(std::string(status.message()));
-    }
+  if (const absl::Status status = CheckFiles(command); !status.ok()) {
+    throw CLI::ValidationError(std::string(status.message()));
   }
   return command;
 }

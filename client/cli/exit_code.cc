@@ -11,8 +11,10 @@ ExitCode ExitCodeFor(const absl::Status& status) {
     case absl::StatusCode::kCancelled:
       return kCancelled;
     case absl::StatusCode::kUnavailable:
-    case absl::StatusCode::kDeadlineExceeded:
       return kUnreachable;
+    case absl::StatusCode::kDeadlineExceeded:
+      // Of the job's time limit, or of a call that nobody answered.
+      return GetErrorReason(status) == ErrorReason::kTimeLimitExceeded ? kFailed : kUnreachable;
     case absl::StatusCode::kResourceExhausted:
       // A full queue and a message over the transport's limit are refusals.
       return GetErrorReason(status) == ErrorReason::kOutOfMemory ? kFailed : kRefused;

@@ -24,6 +24,7 @@ namespace {
 struct Surface {
   TriangleMesh mesh;
   std::vector<std::int32_t> face_source;
+  std::vector<Eigen::Vector3i> face_corners;
 };
 
 absl::StatusOr<Surface> FromFile(const FetchCommand& command, const v1::Job& job) {
@@ -34,7 +35,8 @@ absl::StatusOr<Surface> FromFile(const FetchCommand& command, const v1::Job& job
         absl::StrCat(command.surface, " is not the mesh of ", job.name(),
                      "; name the file, and the --quantization-bits, that it was started with"));
   }
-  return Surface{std::move(input.wire), std::move(input.file.face_source)};
+  return Surface{std::move(input.wire), std::move(input.file.face_source),
+                 std::move(input.file.face_corners)};
 }
 
 absl::StatusOr<Surface> FromServer(Client& client, const v1::Job& job,
@@ -43,12 +45,13 @@ absl::StatusOr<Surface> FromServer(Client& client, const v1::Job& job,
   Surface surface;
   CCST_ASSIGN_OR_RETURN(surface.mesh, DecodeDraco(draco));
   CCST_ASSIGN_OR_RETURN(surface.face_source, DracoFaceSource(draco));
+  CCST_ASSIGN_OR_RETURN(surface.face_corners, DracoFaceCorners(draco));
   return surface;
 }
 
 // Gives samples the positions and faces that `ccst sample` gives them.
-absl::Status Place(Client& client, const FetchCommand& command, FetchedJob& fetched,
-                   const std::stop_token& stop) {
+absl::Status PlaceFetched(Client& client, const FetchCommand& command, FetchedJob& fetched,
+                          const std::stop_token& stop) {
   SampleSet& samples = fetched.outcome.result.samples;
   const Eigen::Vector3d origin = FromProto(fetched.job.origin());
   const auto surface = command.surface.empty() ? FromServer(client, fetched.job, stop)
@@ -62,14 +65,14 @@ absl::Status Place(Client& client, const FetchCommand& command, FetchedJob& fetc
   }
   CCST_RETURN_IF_ERROR(surface.status());
   CCST_RETURN_IF_ERROR(PlaceSamples(surface->mesh, origin, samples));
-  NameOwnFaces(surface->face_source, samples);
+  NameOwnFaces(surface->face_source, surface->face_corners, samples);
   return absl::OkStatus();
 }
 
 absl::StatusOr<FinishedRun> Fetch(const FetchCommand& command, const std::stop_token& stop) {
   CCST_ASSIGN_OR_RETURN(Client client, ConnectTo(command.server, command.server_flags));
   CCST_ASSIGN_OR_RETURN(FetchedJob fetched, client.FetchJob(command.job, stop));
-  CCST_RETURN_IF_ERROR(Place(client, command, fetched, stop));
+  CCST_RETURN_IF_ERROR(PlaceFetched(client, command, fetched, stop));
   FinishedRun run;
   run.options.seed = fetched.job.effective_options().seed();
   run.options.method =

@@ -1,10 +1,8 @@
 #include "client/cli/flags.h"
 
 #include <algorithm>
-#include <numbers>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -13,21 +11,18 @@
 #include "client/cli/exit_code.h"
 #include "client/cli/flag_kinds.h"
 #include "client/cli/job_flags.h"
+#include "client/cli/option_flags.h"
 #include "client/cli/outputs.h"
+#include "core/base/printable_text.h"
 #include "core/base/version.h"
+#include "core/io/sample_file.h"
+#include "core/sampling/option_table.h"
 
 namespace ccst::cli {
 namespace {
 
 constexpr char kDefaultServer[] = "localhost:50051";
 
-// Names as on the command line; the first is the default.
-const std::vector<std::pair<std::string, Energy>> kEnergies = {
-    {"target", Energy::kTarget}, {"squared-area", Energy::kSquaredArea}};
-const std::vector<std::pair<std::string, SamplingMethod>> kMethods = {
-    {"ccst", SamplingMethod::kCcst},           {"white", SamplingMethod::kWhiteNoise},
-    {"poisson", SamplingMethod::kPoissonDisk}, {"elimination", SamplingMethod::kSampleElimination},
-    {"lloyd", SamplingMethod::kLloyd},         {"ccvt", SamplingMethod::kCcvt}};
 // Flags as given, before they are made one command.
 struct Flags {
   SampleCommand sample;
@@ -37,8 +32,6 @@ struct Flags {
   ServerAddress server;
   bool local = false;
   std::optional<int> threads;
-  std::optional<int> max_iterations;
-  std::optional<double> crease_angle;  // Degrees.
 };
 
 CLI::App* AddSample(CLI::App& app, Flags& flags) {
@@ -48,11 +41,9 @@ CLI::App* AddSample(CLI::App& app, Flags& flags) {
                   "Mesh to sample: .obj .ply .stl .off .glb .gltf .drc, - for standard input")
       ->type_name("")
       ->required();
-  sub->add_option("-n,--count", c.options.sample_count, "How many samples")
-      ->type_name("N")
-      ->required();
-  sub->add_option("-o,--output", c.samples_path,
-                  "Write the samples: .ply .csv .xyz .obj .drc, - for CSV on standard output")
+  sub->add_option(
+         "-o,--output", c.samples_path,
+         "Write the samples: " + std::string(kSampleExtensions) + ", - for CSV on standard output")
       ->type_name("FILE");
   sub->add_option("--mesh-output", c.mesh_path,
                   "Write the sample mesh: .obj .ply .stl .off .glb .drc, - for OBJ")
@@ -60,38 +51,7 @@ CLI::App* AddSample(CLI::App& app, Flags& flags) {
   sub->add_option("--picture", c.picture_path, "Draw samples and sample mesh: .png")
       ->type_name("FILE");
   sub->add_option("--summary", c.summary_path, "Write what came out as JSON")->type_name("FILE");
-  sub->add_option("--seed", c.options.seed, "Other seeds give other, equally good samples")
-      ->type_name("S")
-      ->check(
-          [](const std::string& text) {
-            // A minus sign would wrap around.
-            return text.find('-') == std::string::npos ? "" : "a seed is a whole number from 0 on";
-          },
-          "")
-      ->capture_default_str();
-  AddChoice(*sub, "--method", kMethods, c.options.method,
-            "ccst, or one to compare with: white, poisson, elimination, lloyd, ccvt");
-  AddDensity(*sub, c.options.density, c.texture_path);
-  sub->add_option("--crease-angle", flags.crease_angle,
-                  "Keep samples on edges at which the faces turn by more than this")
-      ->type_name("DEGREES")
-      ->check(CLI::Range(0.0, 180.0).description(""));
-  AddChoice(*sub, "--energy", kEnergies, c.options.energy,
-            "What is minimised: target, or squared-area as printed in the paper");
-  sub->add_option("--max-iterations", flags.max_iterations,
-                  "Most alternations; by default 130, of lloyd 100, of ccvt 1000")
-      ->type_name("K");
-  sub->add_option("--tolerance", c.options.relative_tolerance,
-                  "Stop when the capacities' variation improves by less than this share")
-      ->type_name("T")
-      ->capture_default_str();
-  sub->add_option("--time-limit", c.options.time_limit_seconds,
-                  "Seconds after which the run returns what it has")
-      ->type_name("SECONDS");
-  sub->add_option("--weld-tolerance", c.options.weld_tolerance,
-                  "Join vertices at most this far apart first, in units of the mesh")
-      ->type_name("LENGTH")
-      ->capture_default_str();
+  AddOptions(*sub, c.options, c.texture_path);
   AddServer(*sub, flags.server);
   sub->add_flag("--local", flags.local, "Compute in this process; gives the same samples");
   sub->add_option("--threads", flags.threads, "Threads of a local run; by default all cores")
@@ -139,9 +99,13 @@ void CheckSample(const Flags& flags) {
   }
   if (sample.options.method != SamplingMethod::kCcst && !sample.mesh_path.empty()) {
     throw CLI::ValidationError(
-        "--mesh-output needs --method ccst; the others make no mesh: write their samples with -o");
+        "--mesh-output needs --method ccst; the others make no mesh: write their samples with "
+        "-o");
   }
-  if (const absl::Status status = CheckOutputs(sample); !status.ok()) {
+  std::vector<NamedFile> inputs = FilesOf(flags.server.server_flags);
+  inputs.push_back({"the mesh", sample.mesh});
+  inputs.push_back({"the image", sample.texture_path});
+  if (const absl::Status status = CheckOutputs(sample, inputs); !status.ok()) {
     throw CLI::ValidationError(std::string(status.message()));
   }
 }
@@ -153,14 +117,12 @@ std::string AddressOf(const std::string& given, const char* environment_server) 
 }
 
 // Throws CLI::ValidationError.
-SampleCommand FinishSample(const Flags& flags) {
+SampleCommand FinishSample(const CLI::App& sample, const Flags& flags) {
   CheckSample(flags);
   SampleCommand command = flags.sample;
-  if (flags.crease_angle.has_value()) {
-    command.options.crease_angle = *flags.crease_angle * std::numbers::pi / 180.0;
+  if (sample.count("--max-iterations") == 0) {
+    command.options.max_iterations = DefaultMaxIterations(command.options.method);
   }
-  command.options.max_iterations =
-      flags.max_iterations.value_or(DefaultMaxIterations(command.options.method));
   if (flags.local) {
     command.options.thread_count =
         flags.threads.value_or(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
@@ -171,10 +133,8 @@ SampleCommand FinishSample(const Flags& flags) {
 }  // namespace
 
 std::string MethodName(SamplingMethod method) {
-  for (const auto& [name, meaning] : kMethods) {
-    if (meaning == method) return name;
-  }
-  return "unknown";
+  const Choice<SamplingMethod>* const choice = kMethodOption.Find(method);
+  return choice == nullptr ? "unknown" : std::string(choice->name);
 }
 
 Command ParseCommandLine(int argc, const char* const* argv, const char* environment_server) {
@@ -184,7 +144,8 @@ Command ParseCommandLine(int argc, const char* const* argv, const char* environm
                                         std::string(SourceRevision()) + ")");
   app.require_subcommand(1);
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return "ccst: " + std::string(error.what()) + "\nccst sample --help says what is right\n";
+    return "ccst: " + PrintableText(error.what(), "\n") +
+           "\nccst sample --help says what is right\n";
   });
   const CLI::App* sample = AddSample(app, flags);
   const CLI::App* info = AddInfo(app, flags);
@@ -194,13 +155,13 @@ Command ParseCommandLine(int argc, const char* const* argv, const char* environm
   try {
     app.parse(argc, argv);
     if (sample->parsed()) {
-      command = FinishSample(flags);
+      command = FinishSample(*sample, flags);
     } else if (info->parsed()) {
       command = flags.info;
     } else if (IsAnalyzeCommand(app)) {
       command = FinishAnalyzeCommand(app, flags.analyze);
     } else {
-      command = FinishJobCommand(app, flags.jobs);
+      command = FinishJobCommand(app, flags.server, flags.jobs);
     }
   } catch (const CLI::ParseError& error) {
     return Done{app.exit(error) == 0 ? kOk : kUsage};

@@ -6,7 +6,9 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/commands.h"
 #include "client/cli/errors.h"
+#include "client/cli/json_text.h"
 #include "client/lib/client.h"
+#include "core/base/printable_text.h"
 #include "proto/convert/scalars.h"
 
 namespace ccst::cli {
@@ -30,7 +32,7 @@ std::string InfoJson(const std::string& server, const v1::GetServerInfoResponse&
                     {"max_job_duration", SecondsFromProto(limits.max_job_duration())}};
   json["load"] = {{"queued_jobs", info.load().queued_job_count()},
                   {"running_jobs", info.load().running_job_count()}};
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 std::string InfoText(const std::string& server, const v1::GetServerInfoResponse& info) {
@@ -41,7 +43,8 @@ std::string InfoText(const std::string& server, const v1::GetServerInfoResponse&
       "mesh        at most %d bytes encoded, %d vertices, %d faces\n"
       "job         at most %d samples, %d alternations, %g s\n"
       "load        %d running of %d, %d waiting of %d\n",
-      server, info.server_version(), info.source_revision(), info.algorithm_revision(),
+      PrintableText(server), PrintableText(info.server_version()),
+      PrintableText(info.source_revision()), info.algorithm_revision(),
       limits.max_inline_mesh_bytes(), limits.max_vertex_count(), limits.max_face_count(),
       limits.max_sample_count(), limits.max_iterations(),
       SecondsFromProto(limits.max_job_duration()), info.load().running_job_count(),

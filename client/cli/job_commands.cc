@@ -7,6 +7,7 @@
 #include "client/cli/errors.h"
 #include "client/cli/listing.h"
 #include "client/lib/client.h"
+#include "core/base/printable_text.h"
 #include "core/base/status.h"
 
 namespace ccst::cli {
@@ -49,7 +50,8 @@ ExitCode Run(const JobsCommand& command) {
 ExitCode Run(const CancelCommand& command) {
   const auto job = Cancel(command);
   if (!job.ok()) return Fail(job.status(), command.server);
-  std::fprintf(stderr, "%s: %s\n", job->name().c_str(), StateName(job->state()).c_str());
+  std::fprintf(stderr, "%s: %s\n", PrintableText(job->name()).c_str(),
+               StateName(job->state()).c_str());
   return kOk;
 }
 

@@ -1,12 +1,14 @@
 #include "client/cli/job_flags.h"
 
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "client/cli/flag_kinds.h"
 #include "client/cli/listing.h"
 #include "client/cli/outputs.h"
+#include "core/io/sample_file.h"
 
 namespace ccst::cli {
 namespace {
@@ -22,8 +24,9 @@ void AddJob(CLI::App& app, std::string& job) {
 }
 
 void AddOutputs(CLI::App& app, OutputPaths& paths) {
-  app.add_option("-o,--output", paths.samples_path,
-                 "Write the samples: .ply .csv .xyz .obj .drc, - for CSV on standard output")
+  app.add_option(
+         "-o,--output", paths.samples_path,
+         "Write the samples: " + std::string(kSampleExtensions) + ", - for CSV on standard output")
       ->type_name("FILE");
   app.add_option("--mesh-output", paths.mesh_path,
                  "Write the sample mesh: .obj .ply .stl .off .glb .drc, - for OBJ")
@@ -76,12 +79,14 @@ JobsCommand Finish(const JobsCommand& command) {
   return command;
 }
 
-FetchCommand Finish(FetchCommand command) {
+FetchCommand Finish(FetchCommand command, const ServerFlags& server) {
   command.job = JobNameOf(command.job);
   if (command.samples_path.empty() && command.mesh_path.empty() && command.summary_path.empty()) {
     throw CLI::ValidationError("nothing to fetch: name a file with -o, --mesh-output or --summary");
   }
-  if (const absl::Status status = CheckOutputs(command); !status.ok()) {
+  std::vector<NamedFile> inputs = FilesOf(server);
+  inputs.push_back({"the mesh", command.surface});
+  if (const absl::Status status = CheckOutputs(command, inputs); !status.ok()) {
     throw CLI::ValidationError(std::string(status.message()));
   }
   return command;
@@ -112,7 +117,7 @@ void AddJobCommands(CLI::App& app, ServerAddress& server, JobFlags& flags) {
       ->required();
 }
 
-Command FinishJobCommand(const CLI::App& app, JobFlags flags) {
+Command FinishJobCommand(const CLI::App& app, const ServerAddress& server, JobFlags flags) {
   const std::string name = app.get_subcommands().front()->get_name();
   flags.watch.job = JobNameOf(flags.watch.job);
   flags.cancel.job = JobNameOf(flags.cancel.job);
@@ -123,7 +128,7 @@ Command FinishJobCommand(const CLI::App& app, JobFlags flags) {
   if (name == "watch") return flags.watch;
   if (name == "cancel") return flags.cancel;
   if (name == "delete") return flags.remove;
-  return Finish(flags.fetch);
+  return Finish(flags.fetch, server.server_flags);
 }
 
 }  // namespace ccst::cli

@@ -22,7 +22,8 @@ struct JobFlags {
 /// Adds the commands about stored meshes and jobs; both must outlive the app.
 void AddJobCommands(CLI::App& app, ServerAddress& server, JobFlags& flags);
 
-/// The one of them that was parsed, without its server. Throws CLI::ValidationError.
-Command FinishJobCommand(const CLI::App& app, JobFlags flags);
+/// The one of them that was parsed, without its server; no output may be a file that `server`
+/// names. Throws CLI::ValidationError.
+Command FinishJobCommand(const CLI::App& app, const ServerAddress& server, JobFlags flags);
 
 }  // namespace ccst::cli

@@ -10,6 +10,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/flags.h"
+#include "client/cli/json_text.h"
+#include "core/base/printable_text.h"
 #include "proto/convert/enums.h"
 
 namespace ccst::cli {
@@ -17,6 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Row = std::vector<std::string>;
+
+constexpr std::size_t kMaxCellBytes = 512;
 
 constexpr std::array<std::pair<v1::Job::State, const char*>, 6> kStates = {
     {{v1::Job::STATE_QUEUED, "queued"},
@@ -26,8 +30,12 @@ constexpr std::array<std::pair<v1::Job::State, const char*>, 6> kStates = {
      {v1::Job::STATE_FAILED, "failed"},
      {v1::Job::STATE_CANCELLED, "cancelled"}}};
 
-// Columns as wide as their widest cell; the last one is not padded.
-std::string Table(const std::vector<Row>& rows) {
+// Columns as wide as their widest cell; the last one is not padded. Cells hold what others chose:
+// they are kept on one line, off the terminal's controls, and at a length that names have.
+std::string Table(std::vector<Row> rows) {
+  for (Row& row : rows) {
+    for (std::string& cell : row) cell = PrintableExcerpt(cell, kMaxCellBytes);
+  }
   std::vector<std::size_t> widths(rows.front().size(), 0);
   for (const Row& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
@@ -40,14 +48,6 @@ std::string Table(const std::vector<Row>& rows) {
                       is_last ? "\n" : std::string(widths[i] - row[i].size() + 2, ' '));
     }
   }
-  return text;
-}
-
-// Names come from others: keep them on one line and off the terminal's controls.
-std::string OneLine(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(),
-      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
   return text;
 }
 
@@ -79,7 +79,7 @@ std::string Note(const v1::Job& job) {
       return absl::StrCat(job.result_cached() ? "cached, " : "", job.result().iteration_count(),
                           " alternations");
     case v1::Job::STATE_FAILED:
-      return OneLine(job.error().message());
+      return job.error().message();
     default:
       return "";
   }
@@ -151,9 +151,9 @@ std::string JobsText(const std::vector<v1::Job>& jobs) {
   for (const v1::Job& job : jobs) {
     rows.push_back({job.name(), StateName(job.state()),
                     absl::StrCat(job.effective_options().sample_count()), Time(job.create_time()),
-                    OneLine(job.display_name()), Note(job)});
+                    job.display_name(), Note(job)});
   }
-  return Table(rows);
+  return Table(std::move(rows));
 }
 
 std::string MeshesText(const std::vector<v1::Mesh>& meshes) {
@@ -161,21 +161,21 @@ std::string MeshesText(const std::vector<v1::Mesh>& meshes) {
   for (const v1::Mesh& mesh : meshes) {
     rows.push_back({mesh.name(), absl::StrCat(mesh.digest().size_bytes()),
                     absl::StrCat(mesh.face_count()), Time(mesh.create_time()),
-                    OneLine(mesh.display_name())});
+                    mesh.display_name()});
   }
-  return Table(rows);
+  return Table(std::move(rows));
 }
 
 std::string JobsJson(const std::vector<v1::Job>& jobs) {
   Json json = Json::array();
   for (const v1::Job& job : jobs) json.push_back(JobJson(job));
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 std::string MeshesJson(const std::vector<v1::Mesh>& meshes) {
   Json json = Json::array();
   for (const v1::Mesh& mesh : meshes) json.push_back(MeshJson(mesh));
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 }  // namespace ccst::cli

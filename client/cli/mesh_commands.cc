@@ -9,6 +9,7 @@
 #include "client/cli/mesh_input.h"
 #include "client/cli/progress.h"
 #include "client/lib/client.h"
+#include "core/base/printable_text.h"
 #include "core/base/status.h"
 #include "proto/convert/names.h"
 
@@ -47,7 +48,7 @@ ExitCode Run(const UploadCommand& command) {
     PrintError(mesh.status(), command.server);
     return ExitCodeFor(mesh.status());
   }
-  std::printf("%s\n", mesh->name().c_str());
+  std::printf("%s\n", PrintableText(mesh->name()).c_str());
   return kOk;
 }
 

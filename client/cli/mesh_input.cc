@@ -89,12 +89,43 @@ bool IsBinaryStl(std::string_view bytes) {
 
 }  // namespace
 
-void NameOwnFaces(const std::vector<std::int32_t>& face_source, SampleSet& samples) {
+std::string ReportText(const ReadReport& report) {
+  std::string text;
+  const auto say = [&text](std::int64_t count, const char* what) {
+    if (count > 0) absl::StrAppend(&text, count, " ", what, "\n");
+  };
+  say(report.faces_skipped, "faces with fewer than three corners are skipped");
+  say(report.polygons_self_crossing,
+      "polygons cross themselves and are cut as well as they can be");
+  say(report.vertices_not_finite, "vertices without finite coordinates belong to no face");
+  for (const std::string& what : report.ignored)
+    absl::StrAppend(&text, "passed over: ", what, "\n");
+  return text;
+}
+
+void NameOwnFaces(const std::vector<std::int32_t>& face_source,
+                  const std::vector<Eigen::Vector3i>& face_corners, SampleSet& samples) {
   if (face_source.empty()) return;
-  for (std::int32_t& face : samples.faces) face = face_source[static_cast<std::size_t>(face)];
+  const bool has_polygons =
+      std::adjacent_find(face_source.begin(), face_source.end()) != face_source.end();
+  if (has_polygons) samples.face_corners.reserve(samples.faces.size());
+  for (std::int32_t& face : samples.faces) {
+    const auto triangle = static_cast<std::size_t>(face);
+    face = face_source[triangle];
+    if (!has_polygons) continue;
+    if (!face_corners.empty()) {
+      samples.face_corners.push_back(face_corners[triangle]);
+      continue;
+    }
+    const auto first = std::lower_bound(face_source.begin(), face_source.end(), face);
+    const auto in_face = static_cast<int>(triangle) - static_cast<int>(first - face_source.begin());
+    samples.face_corners.emplace_back(0, in_face + 1, in_face + 2);
+  }
 }
 
 MeshFormat RecogniseFormat(std::string_view bytes) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
   if (bytes.starts_with("DRACO")) return MeshFormat::kDraco;
   if (bytes.starts_with("ply")) return MeshFormat::kPly;
   if (bytes.starts_with("glTF") || SkipBlank(bytes, false).starts_with('{')) {
@@ -116,8 +147,8 @@ absl::StatusOr<MeshInput> ReadMeshInput(const std::string& path,
   const bool is_exact =
       !quantization_bits.has_value() && input.wire.positions.size() <= 3 * input.wire.faces.size();
   if (is_exact && transport == Transport::kLocal) return input;
-  CCST_ASSIGN_OR_RETURN(input.draco,
-                        EncodeDraco(input.wire, quantization_bits, input.file.face_source));
+  CCST_ASSIGN_OR_RETURN(input.draco, EncodeDraco(input.wire, quantization_bits,
+                                                 input.file.face_source, input.file.face_corners));
   if (!is_exact) {
     CCST_ASSIGN_OR_RETURN(TriangleMesh decoded, DecodeDraco(input.draco));
     input.max_move = LargestMove(input.wire, decoded);

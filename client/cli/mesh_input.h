@@ -33,9 +33,16 @@ enum class Transport { kLocal, kRemote };
 absl::StatusOr<MeshInput> ReadMeshInput(const std::string& path,
                                         std::optional<int> quantization_bits, Transport transport);
 
-/// Gives samples the numbers that faces have in the file: those of their triangles otherwise.
-/// @param face_source  as in MeshFile; empty leaves the samples as they are.
-void NameOwnFaces(const std::vector<std::int32_t>& face_source, SampleSet& samples);
+/// What of the file was not taken as it stands, a line each for people: `2 faces with fewer than
+/// three corners are skipped`. Empty when there is nothing to say.
+std::string ReportText(const ReadReport& report);
+
+/// Gives samples the numbers that faces have in the file, and where faces are polygons the corners
+/// that the barycentrics belong to: those of their triangles otherwise.
+/// @param face_source   as in MeshFile; empty leaves the samples as they are.
+/// @param face_corners  as in MeshFile
+void NameOwnFaces(const std::vector<std::int32_t>& face_source,
+                  const std::vector<Eigen::Vector3i>& face_corners, SampleSet& samples);
 
 /// The format that `bytes` begin like; OBJ, which has no mark, when like no other.
 MeshFormat RecogniseFormat(std::string_view bytes);

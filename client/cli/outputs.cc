@@ -1,7 +1,6 @@
 #include "client/cli/outputs.h"
 
 #include <filesystem>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +8,7 @@
 #include <unistd.h>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/distinct_files.h"
 #include "client/render/picture.h"
 #include "core/base/status.h"
 #include "core/io/atomic_file.h"
@@ -73,27 +73,23 @@ absl::Status CheckWritable(const std::string& path) {
   return absl::OkStatus();
 }
 
-absl::Status CheckOutputs(const OutputPaths& paths) {
+absl::Status CheckOutputs(const OutputPaths& paths, const std::vector<NamedFile>& inputs) {
   const std::string& samples = paths.samples_path;
   const std::string& mesh = paths.mesh_path;
-  CCST_RETURN_IF_ERROR(CheckExtension(SampleFormatFromPath(samples).has_value(), "-o", samples,
-                                      ".ply .csv .xyz .obj .drc"));
+  CCST_RETURN_IF_ERROR(
+      CheckExtension(SampleFormatFromPath(samples).has_value(), "-o", samples, kSampleExtensions));
   CCST_RETURN_IF_ERROR(CheckExtension(MeshOutputFormatFromPath(mesh).has_value(), "--mesh-output",
                                       mesh, ".obj .ply .stl .off .glb .drc"));
   CCST_RETURN_IF_ERROR(
       CheckExtension(IsPng(paths.picture_path), "--picture", paths.picture_path, ".png"));
-  std::set<std::string> seen;
   for (const std::string& path : {samples, mesh, paths.picture_path, paths.summary_path}) {
     CCST_RETURN_IF_ERROR(CheckWritable(path));
-    if (path.empty()) continue;
-    const bool is_new = path == "/dev/null" ||
-                        seen.insert(std::filesystem::path(path).lexically_normal().string()).second;
-    if (!is_new) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          path == kStandardOutput ? "standard output" : path, " can take one output only"));
-    }
   }
-  return absl::OkStatus();
+  return CheckDistinct({{"-o", samples},
+                        {"--mesh-output", mesh},
+                        {"--picture", paths.picture_path},
+                        {"--summary", paths.summary_path}},
+                       inputs);
 }
 
 absl::Status WriteOutputs(const OutputPaths& paths, const TriangleMesh& surface,

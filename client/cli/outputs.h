@@ -1,8 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
+#include "client/cli/distinct_files.h"
 #include "client/cli/flags.h"
 #include "client/cli/summary.h"
 #include "core/mesh/triangle_mesh.h"
@@ -10,9 +12,9 @@
 namespace ccst::cli {
 
 /// Checks before anything is computed that every output can be written: extensions, folders,
-/// permissions, no two outputs in one place.
+/// permissions, no two outputs in one place, none that is one of `inputs`.
 /// @errors INVALID_ARGUMENT naming the path and what would be right
-absl::Status CheckOutputs(const OutputPaths& paths);
+absl::Status CheckOutputs(const OutputPaths& paths, const std::vector<NamedFile>& inputs);
 
 /// Whether an output may be written to `path`, which is no device, no folder and in a folder that
 /// exists; empty and `-` are. @errors INVALID_ARGUMENT naming the path and what would be right

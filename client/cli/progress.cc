@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/base/printable_text.h"
 
 namespace ccst::cli {
 namespace {
@@ -17,6 +18,8 @@ namespace {
 constexpr int kDefaultColumns = 80;
 constexpr int kMinBarWidth = 10;
 constexpr int kMaxBarWidth = 32;
+// A note is one line; some tell what a server said.
+constexpr std::size_t kMaxNoteBytes = 1024;
 constexpr char kClearLine[] = "\r\x1b[K";
 
 int Columns(std::FILE* out) {
@@ -85,7 +88,8 @@ void ProgressPrinter::Show(const AlternationReport& report) {
   std::fflush(out_);
 }
 
-void ProgressPrinter::Note(const std::string& text) {
+void ProgressPrinter::Note(const std::string& note) {
+  const std::string text = PrintableExcerpt(note, kMaxNoteBytes);
   if (style_ == ProgressStyle::kBar) {
     std::fprintf(out_, "%s%s", kClearLine, text.c_str());
     line_is_open_ = true;

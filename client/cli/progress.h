@@ -26,8 +26,9 @@ class ProgressPrinter {
   ProgressPrinter(ProgressStyle style, std::FILE* out);
 
   void Show(const AlternationReport& report);
-  /// Something that happens before or between alternations: in the queue, reading.
-  void Note(const std::string& text);
+  /// Something that happens before or between alternations: in the queue, reading. Shown without
+  /// control characters.
+  void Note(const std::string& note);
   /// Ends a bar's line, so that other text can follow. Called before anything else is printed.
   void Finish();
 

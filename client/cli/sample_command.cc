@@ -1,4 +1,8 @@
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -7,11 +11,15 @@
 #include "client/cli/interrupt.h"
 #include "client/cli/local_run.h"
 #include "client/cli/mesh_input.h"
+#include "client/cli/option_flags.h"
 #include "client/cli/outputs.h"
 #include "client/cli/progress.h"
+#include "client/cli/read_within.h"
 #include "client/cli/summary.h"
 #include "client/cli/texture_input.h"
 #include "client/lib/client.h"
+#include "core/base/interrupt.h"
+#include "core/base/printable_text.h"
 #include "core/base/status.h"
 
 namespace ccst::cli {
@@ -21,6 +29,19 @@ ExitCode Fail(ProgressPrinter& printer, const absl::Status& status, const std::s
   printer.Finish();
   PrintError(status, server);
   return ExitCodeFor(status);
+}
+
+// A reader that was late is at work still, and nothing ends it but the end of the process.
+ExitCode FailToRead(ProgressPrinter& printer, const absl::Status& status,
+                    const std::string& server) {
+  const ExitCode code = Fail(printer, status, server);
+  if (GetErrorReason(status) == ErrorReason::kTimeLimitExceeded) std::_Exit(code);
+  return code;
+}
+
+absl::StatusOr<DensityOptions> WithTexture(const std::string& path, DensityOptions density) {
+  CCST_RETURN_IF_ERROR(ReadTexture(path, density));
+  return density;
 }
 
 SampleJob ToJob(MeshInput& input, const SampleCommand& command) {
@@ -50,7 +71,7 @@ absl::Status Detach(MeshInput& input, const SampleCommand& command, ProgressPrin
       const v1::Job job,
       client.CreateJob(ToJob(input, command), CallbacksThatShow(printer).on_upload, stop));
   printer.Finish();
-  std::printf("%s\n", job.name().c_str());
+  std::printf("%s\n", PrintableText(job.name()).c_str());
   return absl::OkStatus();
 }
 
@@ -59,25 +80,54 @@ bool HasOutput(const SampleCommand& command) {
          !command.picture_path.empty() || !command.summary_path.empty();
 }
 
+// The end of the time of a job that is computed here: it counts from now on, over all that is done.
+std::optional<ccst::Interrupt::Clock::time_point> DeadlineOf(const SampleCommand& command) {
+  const std::optional<double>& limit = command.options.time_limit_seconds;
+  if (!command.server.empty() || !limit.has_value()) return std::nullopt;
+  return ccst::Interrupt::DeadlineAfter(ccst::Interrupt::Clock::now(), *limit);
+}
+
+// What reading left of the time limit; not 0, which no limit may be.
+SamplingOptions WithTimeLeft(SamplingOptions options,
+                             std::optional<ccst::Interrupt::Clock::time_point> deadline) {
+  constexpr double kLeast = 1e-9;  // [s]
+  if (deadline.has_value()) {
+    const std::chrono::duration<double> left = *deadline - ccst::Interrupt::Clock::now();
+    options.time_limit_seconds = std::max(left.count(), kLeast);
+  }
+  return options;
+}
+
 }  // namespace
 
 ExitCode Run(const SampleCommand& given) {
   Interrupt interrupt;
   ProgressPrinter printer(given.progress, stderr);
   SampleCommand command = given;
+  if (const absl::Status status = CheckOptions(command.options); !status.ok()) {
+    return Fail(printer, status, command.server);
+  }
+  const auto deadline = DeadlineOf(command);
   if (!command.texture_path.empty()) {
-    if (const absl::Status status = ReadTexture(command.texture_path, command.options.density);
-        !status.ok()) {
-      return Fail(printer, status, command.server);
-    }
+    auto density = ReadWithin<DensityOptions>(
+        deadline, [path = command.texture_path, density = command.options.density]() mutable {
+          return WithTexture(path, std::move(density));
+        });
+    if (!density.ok()) return FailToRead(printer, density.status(), command.server);
+    command.options.density = *std::move(density);
   }
   if (const absl::Status status = command.options.Validate(); !status.ok()) {
     return Fail(printer, status, command.server);
   }
   const bool is_local = command.server.empty();
-  auto input = ReadMeshInput(command.mesh, command.quantization_bits,
-                             is_local ? Transport::kLocal : Transport::kRemote);
-  if (!input.ok()) return Fail(printer, input.status(), command.server);
+  auto input = ReadWithin<MeshInput>(
+      deadline, [path = command.mesh, bits = command.quantization_bits, is_local] {
+        return ReadMeshInput(path, bits, is_local ? Transport::kLocal : Transport::kRemote);
+      });
+  if (!input.ok()) return FailToRead(printer, input.status(), command.server);
+  if (printer.is_for_people()) {
+    std::fputs(PrintableText(ReportText(input->file.report), "\n").c_str(), stderr);
+  }
   if (command.quantization_bits.has_value() && printer.is_for_people()) {
     std::fprintf(stderr, "quantised to %d bits: %zu bytes, vertices moved by up to %.3g\n",
                  *command.quantization_bits, input->draco.size(), input->max_move);
@@ -89,7 +139,7 @@ ExitCode Run(const SampleCommand& given) {
   }
   auto outcome = is_local
                      ? SampleLocally(
-                           *input, command.options,
+                           *input, WithTimeLeft(command.options, deadline),
                            [&printer](const AlternationReport& report) { printer.Show(report); },
                            interrupt.token())
                      : SampleRemotely(*input, command, printer, interrupt.token());
@@ -98,7 +148,7 @@ ExitCode Run(const SampleCommand& given) {
   }
   if (!outcome.ok()) return Fail(printer, outcome.status(), command.server);
   printer.Finish();
-  NameOwnFaces(input->file.face_source, outcome->result.samples);
+  NameOwnFaces(input->file.face_source, input->file.face_corners, outcome->result.samples);
   const FinishedRun run = {command.options, command.server, *std::move(outcome)};
   if (const absl::Status status = WriteOutputs(command, input->file.mesh, run); !status.ok()) {
     PrintError(status, command.server);

@@ -4,6 +4,8 @@
 
 #include "absl/strings/str_format.h"
 #include "client/cli/flags.h"
+#include "client/cli/json_text.h"
+#include "core/base/printable_text.h"
 
 namespace ccst::cli {
 namespace {
@@ -113,13 +115,14 @@ std::string SummaryJson(const FinishedRun& run) {
                      {"total", outcome.record.total_seconds}};
   json["job"] = TextOrNull(outcome.job_name);
   json["server"] = TextOrNull(run.server);
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 std::string SummaryText(const FinishedRun& run) {
   const SampleOutcome& outcome = run.outcome;
   const SamplingResult& result = outcome.result;
-  const std::string where = run.server.empty() ? "in this process" : "by " + run.server;
+  const std::string where =
+      run.server.empty() ? "in this process" : "by " + PrintableText(run.server);
   std::string text = RepairsText(result.surface.repairs);
   if (result.surface.untriangulated_components > 0) {
     absl::StrAppendFormat(&text,

@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <string>
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/commands.h"
@@ -7,6 +8,7 @@
 #include "client/cli/progress.h"
 #include "client/lib/checked_outcome.h"
 #include "client/lib/client.h"
+#include "core/base/printable_text.h"
 #include "core/base/status.h"
 
 namespace ccst::cli {
@@ -35,10 +37,11 @@ ExitCode Run(const WatchCommand& command) {
   printer.Finish();
   if (status.ok()) return kOk;
   if (interrupt.token().stop_requested()) {
+    const std::string job = PrintableText(command.job);
     std::fprintf(stderr,
                  "ccst: stopped watching; %s goes on: ccst watch %s comes back, ccst cancel %s "
                  "stops it\n",
-                 command.job.c_str(), command.job.c_str(), command.job.c_str());
+                 job.c_str(), job.c_str(), job.c_str());
     return kCancelled;
   }
   PrintError(status, command.server);

@@ -7,12 +7,11 @@
 #include "client/lib/checked_outcome.h"
 #include "core/base/status.h"
 #include "proto/convert/progress.h"
-#include "proto/convert/samples.h"
 
 namespace ccst {
 
 Answer::Answer(const SampleJob& job, const SampleCallbacks& callbacks)
-    : job_(job), callbacks_(callbacks) {}
+    : job_(job), callbacks_(callbacks), bounds_(BoundsOf(job.options, job.mesh)) {}
 
 absl::Status Answer::Take(const v1::SampleResponse& message) {
   switch (message.event_case()) {
@@ -26,16 +25,10 @@ absl::Status Answer::Take(const v1::SampleResponse& message) {
     case v1::SampleResponse::kPreview:
       if (callbacks_.on_preview) callbacks_.on_preview(message.preview());
       return absl::OkStatus();
-    case v1::SampleResponse::kSamples: {
-      const auto had = static_cast<std::int64_t>(samples_.faces.size());
-      if (had + message.samples().face_indices_size() > job_.options.sample_count) {
-        return BrokenAnswer(absl::StrCat("more than the ", job_.options.sample_count,
-                                         " samples that were asked for"));
-      }
-      return AsDataLoss(AppendChunk(message.samples(), samples_));
-    }
+    case v1::SampleResponse::kSamples:
+      return AppendWithin(bounds_, message.samples(), samples_);
     case v1::SampleResponse::kSampleMesh:
-      return AsDataLoss(AppendChunk(message.sample_mesh(), samples_));
+      return AppendWithin(bounds_, message.sample_mesh(), samples_);
     case v1::SampleResponse::kHeartbeat:
     case v1::SampleResponse::EVENT_NOT_SET:
       break;

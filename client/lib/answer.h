@@ -3,6 +3,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "ccst/v1/sampling_service.pb.h"
+#include "client/lib/answer_bounds.h"
 #include "client/lib/client.h"
 #include "client/lib/outcome.h"
 
@@ -15,7 +16,7 @@ class Answer {
   Answer(const SampleJob& job, const SampleCallbacks& callbacks);
 
   /// Takes the next message. Events this version does not know are ignored.
-  /// @errors DATA_LOSS chunks out of order, malformed, or more samples than asked for
+  /// @errors DATA_LOSS chunks out of order, malformed, or more than asked for, see AnswerBounds
   absl::Status Take(const v1::SampleResponse& message);
 
   /// The outcome, after a stream that ended with OK.
@@ -25,6 +26,7 @@ class Answer {
  private:
   const SampleJob& job_;
   const SampleCallbacks& callbacks_;
+  const AnswerBounds bounds_;
   SampleSet samples_;
   v1::Job last_;
 };

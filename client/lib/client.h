@@ -100,6 +100,7 @@ class Client {
   absl::StatusOr<FetchedJob> FetchJob(const std::string& name, const std::stop_token& stop = {});
 
   /// All jobs of the caller in one of `states` (empty: any) and with all `labels`, newest first.
+  /// @errors RESOURCE_EXHAUSTED over 256 MiB of them | DATA_LOSS | what the server answered
   absl::StatusOr<std::vector<v1::Job>> ListJobs(
       const std::vector<v1::Job::State>& states = {},
       const std::map<std::string, std::string>& labels = {}, const std::stop_token& stop = {});
@@ -119,10 +120,11 @@ class Client {
   /// The bytes of `meshes/{sha256}`, checked against the name. Goes on where it was when the
   /// stream breaks.
   /// @errors NOT_FOUND | DATA_LOSS | UNAVAILABLE | CANCELLED `stop`
+  ///       | INVALID_ARGUMENT LIMIT_EXCEEDED over 1 GiB
   absl::StatusOr<std::string> DownloadMesh(const std::string& name,
                                            const std::stop_token& stop = {});
 
-  /// All meshes of the caller, newest first.
+  /// All meshes of the caller, newest first. Errors as ListJobs().
   absl::StatusOr<std::vector<v1::Mesh>> ListMeshes(const std::stop_token& stop = {});
 
   /// Drops a mesh. FAILED_PRECONDITION MESH_IN_USE while a job needs it.

@@ -1,5 +1,6 @@
 #include "client/lib/connection.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include <grpcpp/security/credentials.h>
 #include <grpcpp/support/client_interceptor.h>
 
+#include "absl/strings/ascii.h"
 #include "core/base/loopback.h"
 #include "core/base/status.h"
 
@@ -15,12 +17,18 @@ namespace {
 
 constexpr int kKeepaliveMs = 30'000;
 constexpr int kMaxReconnectMs = 2'000;
+// Half of the metadata that gRPC takes by default.
+constexpr std::size_t kMaxTokenBytes = 4096;
 
 absl::Status Wrong(const std::string& message) {
   return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kOptionInvalid, message);
 }
 
 absl::Status Check(const Connection& connection) {
+  // gRPC ends the process over metadata that HTTP/2 cannot carry.
+  if (!IsToken(connection.token)) {
+    return Wrong("the connection " + std::string(kTokenForm));
+  }
   if (connection.certificate.empty() != connection.key.empty()) {
     return Wrong("a client certificate needs its key, and a key its certificate");
   }
@@ -76,6 +84,12 @@ std::shared_ptr<grpc::ChannelCredentials> Credentials(const Connection& connecti
 }
 
 }  // namespace
+
+bool IsToken(std::string_view text) {
+  return text.size() <= kMaxTokenBytes && std::all_of(text.begin(), text.end(), [](char c) {
+           return absl::ascii_isgraph(static_cast<unsigned char>(c));
+         });
+}
 
 absl::StatusOr<std::shared_ptr<grpc::Channel>> OpenChannel(const Connection& connection) {
   CCST_RETURN_IF_ERROR(Check(connection));

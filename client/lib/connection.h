@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <grpcpp/channel.h>
 
@@ -19,9 +20,16 @@ struct Connection {
   bool insecure = false;         ///< Send the token to other machines without TLS.
 };
 
+/// Whether a token can be sent: empty, or at most 4096 characters of printable ASCII without
+/// spaces.
+bool IsToken(std::string_view text);
+/// Says so.
+inline constexpr std::string_view kTokenForm =
+    "holds no token: that is at most 4096 letters, digits and signs of ASCII, without spaces";
+
 /// A channel that connects at first use and brings the token with every call.
 /// @errors INVALID_ARGUMENT OPTION_INVALID  a token for another machine without TLS or `insecure`;
-///         a certificate without key or CA
+///         a token that is none, see IsToken(); a certificate without key or CA
 absl::StatusOr<std::shared_ptr<grpc::Channel>> OpenChannel(const Connection& connection);
 
 }  // namespace ccst

@@ -5,13 +5,13 @@
 #include <grpcpp/client_context.h>
 
 #include "absl/strings/str_cat.h"
+#include "client/lib/answer_bounds.h"
 #include "client/lib/checked_outcome.h"
 #include "client/lib/client.h"
 #include "client/lib/grpc_error.h"
 #include "client/lib/retry.h"
 #include "client/lib/unary_call.h"
 #include "core/base/status.h"
-#include "proto/convert/samples.h"
 
 namespace ccst {
 namespace {
@@ -54,6 +54,7 @@ absl::StatusOr<FetchedJob> Client::FetchJob(const std::string& name, const std::
                         }));
   FetchedJob fetched;
   fetched.job = std::move(*response.mutable_job());
+  if (fetched.job.name() != name) return BrokenAnswer("another job than the one asked for");
   if (!HasEnded(fetched.job)) {
     return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kJobNotEnded,
                      absl::StrCat(name, " has not ended yet"));
@@ -61,7 +62,8 @@ absl::StatusOr<FetchedJob> Client::FetchJob(const std::string& name, const std::
   CCST_RETURN_IF_ERROR(EndOf(fetched.job));
   SampleSet samples;
   const auto count = [](const auto& values) { return static_cast<std::int64_t>(values.size()); };
-  const v1::SamplingResult& result = fetched.job.result();
+  AnswerBounds bounds;
+  CCST_RETURN_IF_ERROR(BoundsOf(fetched.job, bounds));
   CCST_RETURN_IF_ERROR(ReadAll<v1::ReadSamplesResponse>(
       stop,
       [&](grpc::ClientContext& context) {
@@ -71,11 +73,7 @@ absl::StatusOr<FetchedJob> Client::FetchJob(const std::string& name, const std::
         return sampling_->ReadSamples(&context, request);
       },
       [&](const v1::ReadSamplesResponse& message) {
-        if (count(samples.faces) + message.samples().face_indices_size() > result.sample_count()) {
-          return BrokenAnswer(
-              absl::StrCat("more than the ", result.sample_count(), " samples announced"));
-        }
-        return AsDataLoss(AppendChunk(message.samples(), samples));
+        return AppendWithin(bounds, message.samples(), samples);
       }));
   CCST_RETURN_IF_ERROR(ReadAll<v1::ReadSampleMeshResponse>(
       stop,
@@ -86,12 +84,7 @@ absl::StatusOr<FetchedJob> Client::FetchJob(const std::string& name, const std::
         return sampling_->ReadSampleMesh(&context, request);
       },
       [&](const v1::ReadSampleMeshResponse& message) {
-        if (count(samples.triangles) + message.sample_mesh().vertex_indices_size() / 3 >
-            result.sample_mesh_face_count()) {
-          return BrokenAnswer(absl::StrCat("more than the ", result.sample_mesh_face_count(),
-                                           " triangles announced"));
-        }
-        return AsDataLoss(AppendChunk(message.sample_mesh(), samples));
+        return AppendWithin(bounds, message.sample_mesh(), samples);
       }));
   CCST_ASSIGN_OR_RETURN(fetched.outcome, CheckedOutcome(fetched.job, std::move(samples)));
   return fetched;

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "client/lib/answer_bounds.h"
+#include "client/lib/checked_outcome.h"
 #include "client/lib/client.h"
 #include "client/lib/unary_call.h"
 #include "core/base/status.h"
@@ -45,6 +47,10 @@ absl::StatusOr<v1::Job> Client::CreateJob(const SampleJob& job, const UploadProg
     if (response.ok()) created = std::move(*response->mutable_job());
     return response.status();
   }));
+  // It will be an argument of commands.
+  if (!created.name().starts_with("jobs/") || !IsToken(created.name())) {
+    return BrokenAnswer("a job that has no name");
+  }
   return created;
 }
 
@@ -52,6 +58,7 @@ absl::StatusOr<std::vector<v1::Job>> Client::ListJobs(
     const std::vector<v1::Job::State>& states, const std::map<std::string, std::string>& labels,
     const std::stop_token& stop) {
   std::vector<v1::Job> jobs;
+  ListBounds bounds(kPageSize);
   v1::ListJobsRequest request;
   request.set_page_size(kPageSize);
   for (const v1::Job::State state : states) request.add_states(state);
@@ -62,6 +69,8 @@ absl::StatusOr<std::vector<v1::Job>> Client::ListJobs(
         RepeatableCall<v1::ListJobsResponse>(stop, [&](auto& context, auto& answer) {
           return sampling_->ListJobs(&context, request, &answer);
         }));
+    CCST_RETURN_IF_ERROR(bounds.Take(page.jobs_size(), page.ByteSizeLong(), request.page_token(),
+                                     page.next_page_token()));
     jobs.insert(jobs.end(), page.jobs().begin(), page.jobs().end());
     request.set_page_token(page.next_page_token());
   } while (!request.page_token().empty());

@@ -7,6 +7,7 @@
 #include <grpcpp/client_context.h>
 
 #include "absl/strings/str_cat.h"
+#include "client/lib/answer_bounds.h"
 #include "client/lib/checked_outcome.h"
 #include "client/lib/client.h"
 #include "client/lib/grpc_error.h"
@@ -21,6 +22,8 @@ namespace {
 
 constexpr std::int64_t kMaxChunkBytes = std::int64_t{1} << 20;
 constexpr int kPageSize = 1000;
+// Of a mesh that is downloaded; the densest encoding of the largest mesh that is read is smaller.
+constexpr std::int64_t kMaxDownloadBytes = std::int64_t{1} << 30;
 // How long a server that has answered may be away while a mesh travels.
 constexpr double kPatienceSeconds = 30.0;
 
@@ -58,18 +61,22 @@ absl::StatusOr<v1::Mesh> AttemptUpload(v1::MeshService::StubInterface& stub,
   return std::move(*response.mutable_mesh());
 }
 
-absl::Status AppendChunk(const v1::MeshChunk& chunk, std::string& bytes) {
+absl::Status AppendChunk(const v1::MeshChunk& chunk, std::int64_t most, std::string& bytes) {
   if (chunk.offset_bytes() != static_cast<std::int64_t>(bytes.size())) {
     return BrokenAnswer(
         absl::StrCat("a chunk at byte ", chunk.offset_bytes(), " after ", bytes.size(), " bytes"));
+  }
+  if (static_cast<std::int64_t>(bytes.size() + chunk.data().size()) > most) {
+    return BrokenAnswer(absl::StrCat("more than the ", most, " bytes of the mesh"));
   }
   bytes += chunk.data();
   return absl::OkStatus();
 }
 
-// Appends what arrives to `bytes`.
+// Appends what arrives to `bytes`, which are at most `most`.
 absl::Status AttemptDownload(v1::MeshService::StubInterface& stub, const std::string& name,
-                             std::string& bytes, Retry& retry, const std::stop_token& stop) {
+                             std::int64_t most, std::string& bytes, Retry& retry,
+                             const std::stop_token& stop) {
   grpc::ClientContext context;
   const std::stop_callback cancel(stop, [&context] { context.TryCancel(); });
   v1::DownloadMeshRequest request;
@@ -80,7 +87,7 @@ absl::Status AttemptDownload(v1::MeshService::StubInterface& stub, const std::st
   absl::Status taken;
   while (taken.ok() && reader->Read(&message)) {
     retry.Heard();
-    taken = AppendChunk(message.chunk(), bytes);
+    taken = AppendChunk(message.chunk(), most, bytes);
   }
   if (!taken.ok()) context.TryCancel();
   const grpc::Status status = reader->Finish();
@@ -98,10 +105,10 @@ absl::StatusOr<std::string> Client::StoreMesh(const SampleJob& job, const Upload
       RepeatableCall<v1::FindMissingMeshesResponse>(stop, [&](auto& context, auto& answer) {
         return meshes_->FindMissingMeshes(&context, request, &answer);
       }));
-  if (response.missing_digests().empty()) return MeshName(request.digests(0).sha256());
-  CCST_ASSIGN_OR_RETURN(const v1::Mesh mesh,
-                        UploadMesh(job.draco, job.display_name, on_upload, stop));
-  return mesh.name();
+  if (!response.missing_digests().empty()) {
+    CCST_RETURN_IF_ERROR(UploadMesh(job.draco, job.display_name, on_upload, stop).status());
+  }
+  return MeshName(request.digests(0).sha256());
 }
 
 absl::Status Client::OnStoredMesh(const SampleJob& job, const UploadProgress& on_upload,
@@ -132,6 +139,9 @@ absl::StatusOr<v1::Mesh> Client::UploadMesh(const std::string& draco,
   retry.Heard();
   for (;;) {
     auto mesh = AttemptUpload(*meshes_, header, draco, chunk_bytes, on_upload, stop);
+    if (mesh.ok() && mesh->name() != MeshName(header.digest().sha256())) {
+      return BrokenAnswer("another mesh than was sent");
+    }
     if (mesh.ok()) return mesh;
     CCST_RETURN_IF_ERROR(retry.Wait(mesh.status()));
   }
@@ -139,10 +149,23 @@ absl::StatusOr<v1::Mesh> Client::UploadMesh(const std::string& draco,
 
 absl::StatusOr<std::string> Client::DownloadMesh(const std::string& name,
                                                  const std::stop_token& stop) {
+  v1::GetMeshRequest get;
+  get.set_name(name);
+  CCST_ASSIGN_OR_RETURN(const auto stored,
+                        RepeatableCall<v1::GetMeshResponse>(stop, [&](auto& context, auto& answer) {
+                          return meshes_->GetMesh(&context, get, &answer);
+                        }));
+  const std::int64_t size = stored.mesh().digest().size_bytes();
+  if (stored.mesh().name() != name || size < 0) return BrokenAnswer("another mesh than asked for");
+  if (size > kMaxDownloadBytes) {
+    return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kLimitExceeded,
+                     absl::StrCat(name, " has ", size, " bytes, over ", kMaxDownloadBytes,
+                                  ", the most that are downloaded; name the file it came from"));
+  }
   std::string bytes;
   Retry retry(stop, kPatienceSeconds);
   for (;;) {
-    const absl::Status status = AttemptDownload(*meshes_, name, bytes, retry, stop);
+    const absl::Status status = AttemptDownload(*meshes_, name, size, bytes, retry, stop);
     if (status.ok()) break;
     CCST_RETURN_IF_ERROR(retry.Wait(status));
   }
@@ -154,6 +177,7 @@ absl::StatusOr<std::string> Client::DownloadMesh(const std::string& name,
 
 absl::StatusOr<std::vector<v1::Mesh>> Client::ListMeshes(const std::stop_token& stop) {
   std::vector<v1::Mesh> meshes;
+  ListBounds bounds(kPageSize);
   v1::ListMeshesRequest request;
   request.set_page_size(kPageSize);
   do {
@@ -162,6 +186,8 @@ absl::StatusOr<std::vector<v1::Mesh>> Client::ListMeshes(const std::stop_token& 
         RepeatableCall<v1::ListMeshesResponse>(stop, [&](auto& context, auto& answer) {
           return meshes_->ListMeshes(&context, request, &answer);
         }));
+    CCST_RETURN_IF_ERROR(bounds.Take(page.meshes_size(), page.ByteSizeLong(), request.page_token(),
+                                     page.next_page_token()));
     meshes.insert(meshes.end(), page.meshes().begin(), page.meshes().end());
     request.set_page_token(page.next_page_token());
   } while (!request.page_token().empty());

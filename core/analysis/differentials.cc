@@ -21,6 +21,10 @@ constexpr double kMostFaces = 1e7;
 constexpr double kAreaPoints = 4.0;
 // Centres from which one thread looks in one go.
 constexpr std::int64_t kPiece = 128;
+// Pairs of a piece kept one by one.
+constexpr std::size_t kMostPairs = std::size_t{1} << 20;
+// Samples and points looked at that are one unit of work of an Interrupt.
+constexpr std::int64_t kItemsAUnit = 64;
 // Directions are told apart in cells; no ring has more.
 constexpr std::size_t kMostCells = 1u << 16;
 
@@ -119,7 +123,10 @@ void Differentials::CountDirection(const Eigen::Vector2d& difference) {
 }
 
 void Differentials::AddSurface(const Surface& surface, const Density& density,
-                               std::span<const SurfacePoint> samples, const Parallel& parallel) {
+                               std::span<const SurfacePoint> samples, const Parallel& parallel,
+                               Interrupt* interrupt) {
+  Interrupt never;
+  if (interrupt == nullptr) interrupt = &never;
   ++sets_;
   if (samples.empty()) return;
   const Content content = Place(surface, density, samples);
@@ -134,22 +141,34 @@ void Differentials::AddSurface(const Surface& surface, const Density& density,
   struct Seen {
     std::vector<double> pairs;
     std::vector<double> expected;
-    std::vector<std::int64_t> cells;
+    std::vector<std::int32_t> cells;   // Of each pair, as long as they are few,
+    std::vector<std::int32_t> counts;  // else how often each cell was seen.
+  };
+  // On a crumpled surface a disc may hold nearly all samples.
+  const auto compact = [&](Seen& seen) {
+    seen.counts.resize(cells_.size(), 0);
+    for (const std::int32_t cell : seen.cells) ++seen.counts[static_cast<std::size_t>(cell)];
+    seen.cells.clear();
   };
   std::vector<Seen> pieces(static_cast<std::size_t>((centers + kPiece - 1) / kPiece));
-  const auto look = [&](std::size_t i, GeodesicDisc& disc, Seen& seen) {
+  const auto look = [&](std::size_t i, GeodesicDisc& disc, Interrupt& own, Seen& seen) {
     const SurfacePoint& center = samples[i];
     const double spacing = std::sqrt(
         surface.area() / count / density.At(center.face, center.weights, surface.area() / count));
     const double radius = margin * reach_ * spacing;
-    for (const FlatFace& flat : disc.Unfold(center, radius)) {
+    for (const FlatFace& flat : disc.Unfold(center, radius, &own)) {
       const auto f = static_cast<std::size_t>(flat.face);
+      if (own.RequestedAfter(1 +
+                             static_cast<std::int64_t>(content.start[f + 1] - content.start[f]) /
+                                 kItemsAUnit)) {
+        return;
+      }
       for (std::size_t k = content.start[f]; k < content.start[f + 1]; ++k) {
         const Content::Item& item = content.items[k];
         if (item.index == static_cast<std::int32_t>(i)) continue;
         const Eigen::Vector2d place = flat.At(item.weights);
         const double squared = place.squaredNorm();
-        if (squared >= radius * radius) continue;
+        if (!(squared < radius * radius)) continue;
         const double scale = 2.0 / (spacing + item.spacing);
         const auto bin = static_cast<std::size_t>(std::sqrt(squared) * scale / kBinWidth);
         if (bin < seen.pairs.size()) {
@@ -158,25 +177,31 @@ void Differentials::AddSurface(const Surface& surface, const Density& density,
         }
         if (item.index <= static_cast<std::int32_t>(i)) continue;
         const std::int64_t cell = CellOf(place * scale);
-        if (cell >= 0) seen.cells.push_back(cell);
+        if (cell >= 0) seen.cells.push_back(static_cast<std::int32_t>(cell));
       }
     }
   };
-  parallel.ForRanges(centers, kPiece, [&](std::int64_t first, std::int64_t end) {
+  parallel.ForRanges(centers, kPiece, [&, stop = *interrupt](std::int64_t first, std::int64_t end) {
+    Interrupt own = stop;
+    if (own.Requested()) return;
     Seen& seen = pieces[static_cast<std::size_t>(first / kPiece)];
     seen.pairs.assign(pairs_.size(), 0.0);
     seen.expected.assign(expected_.size(), 0.0);
     GeodesicDisc disc(surface);
-    for (std::int64_t c = first; c < end; ++c)
-      look(static_cast<std::size_t>(c) * stride, disc, seen);
+    for (std::int64_t c = first; c < end && !own.Requested(); ++c) {
+      look(static_cast<std::size_t>(c) * stride, disc, own, seen);
+      if (seen.cells.size() > kMostPairs) compact(seen);
+    }
   });
+  if (interrupt->Requested()) return;
   centers_ += static_cast<double>(centers);
   for (const Seen& seen : pieces) {
     for (std::size_t bin = 0; bin < pairs_.size(); ++bin) {
       pairs_[bin] += seen.pairs[bin];
       expected_[bin] += seen.expected[bin];
     }
-    for (const std::int64_t cell : seen.cells) cells_[static_cast<std::size_t>(cell)] += 1.0;
+    for (const std::int32_t cell : seen.cells) cells_[static_cast<std::size_t>(cell)] += 1.0;
+    for (std::size_t cell = 0; cell < seen.counts.size(); ++cell) cells_[cell] += seen.counts[cell];
   }
 }
 

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/analysis/curve.h"
+#include "core/base/interrupt.h"
 #include "core/density/density.h"
 #include "core/parallel/parallel.h"
 #include "core/surface/surface.h"
@@ -44,9 +45,11 @@ class Differentials {
   /// are centres, but every k-th: at most 8000, and no more than have 1e7 faces in their discs. All
   /// samples are seen from these. Cost at most about 1 s, 3 s where faces are the bound; the same
   /// bits on any number of threads.
-  /// @param density  that the set follows, of `surface`.
+  /// @param density    that the set follows, of `surface`.
+  /// @param interrupt  may be null; once requested, what was added means nothing.
   void AddSurface(const Surface& surface, const Density& density,
-                  std::span<const SurfacePoint> samples, const Parallel& parallel = Parallel());
+                  std::span<const SurfacePoint> samples, const Parallel& parallel = Parallel(),
+                  Interrupt* interrupt = nullptr);
 
   /// Adds a set in the plane whose rectangle [0, extents) is repeated on all sides.
   /// @param positions  n x 2. @param extents > 0; distances up to half the smaller one are counted.

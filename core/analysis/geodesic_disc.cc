@@ -65,7 +65,8 @@ void GeodesicDisc::Offer(std::int32_t half_edge, const Eigen::Vector2d& from,
   std::push_heap(queue_.begin(), queue_.end());
 }
 
-const std::vector<FlatFace>& GeodesicDisc::Unfold(const SurfacePoint& center, double radius) {
+const std::vector<FlatFace>& GeodesicDisc::Unfold(const SurfacePoint& center, double radius,
+                                                  Interrupt* interrupt) {
   ++disc_;
   center_ = center.position;
   faces_.clear();
@@ -89,6 +90,7 @@ const std::vector<FlatFace>& GeodesicDisc::Unfold(const SurfacePoint& center, do
     Offer(3 * center.face + k, first[k], first[(k + 1) % 3], radius);
   }
   while (!queue_.empty()) {
+    if (interrupt != nullptr && interrupt->RequestedAfter(1)) break;
     std::pop_heap(queue_.begin(), queue_.end());
     const Candidate next = queue_.back();
     queue_.pop_back();

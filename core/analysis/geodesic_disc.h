@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "core/base/interrupt.h"
 #include "core/surface/surface.h"
 
 namespace ccst::analysis {
@@ -39,8 +40,9 @@ class GeodesicDisc {
 
   /// The faces with a point at most `radius` from `center`, the host first; each once. The x axis
   /// is the first vector of TangentFrame() at the host's normal. Valid until the next call.
-  /// Cost O(k log k) for k faces.
-  const std::vector<FlatFace>& Unfold(const SurfacePoint& center, double radius);
+  /// Unfinished when `interrupt`, which may be null, was requested. Cost O(k log k) for k faces.
+  const std::vector<FlatFace>& Unfold(const SurfacePoint& center, double radius,
+                                      Interrupt* interrupt = nullptr);
 
  private:
   // A face that can be unfolded across the side from `corners[0]` to `corners[1]`, its half-edge.

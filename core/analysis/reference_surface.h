@@ -16,8 +16,9 @@ namespace ccst::analysis {
 /// The surface on which samples are judged, and the density that they should follow.
 class ReferenceSurface {
  public:
-  /// @param density  of `surface`. Cost O(F log F).
-  ReferenceSurface(Surface surface, Density density);
+  /// @param density  of `surface`. @param interrupt  may be null; once requested, looking up places
+  /// is right but slow. Cost O(F log F).
+  ReferenceSurface(Surface surface, Density density, Interrupt* interrupt = nullptr);
 
   const Surface& surface() const { return surface_; }
   const Density& density() const { return density_; }
@@ -29,9 +30,11 @@ class ReferenceSurface {
   std::vector<Eigen::Vector3d> ToFrame(std::span<const Eigen::Vector3d> positions) const;
 
   /// The points of the surface nearest to `positions`, which are in its frame.
+  /// @param interrupt  may be null; once requested, the points mean nothing.
   /// Cost O(n log F).
   std::vector<SurfacePoint> Locate(std::span<const Eigen::Vector3d> positions,
-                                   const Parallel& parallel = Parallel()) const;
+                                   const Parallel& parallel = Parallel(),
+                                   Interrupt* interrupt = nullptr) const;
 
  private:
   Surface surface_;

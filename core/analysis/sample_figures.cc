@@ -68,11 +68,12 @@ class Sum {
   void Add(const SampleSetView& set) {
     if (Stopped()) return;
     const std::vector<Eigen::Vector3d> positions = reference_.ToFrame(set.positions);
-    const std::vector<SurfacePoint> points = reference_.Locate(positions, parallel_);
+    const std::vector<SurfacePoint> points = reference_.Locate(positions, parallel_, interrupt_);
     if (Stopped()) return;
     AddDistances(positions, points);
     if (Stopped()) return;
-    differentials_.AddSurface(reference_.surface(), reference_.density(), points, parallel_);
+    differentials_.AddSurface(reference_.surface(), reference_.density(), points, parallel_,
+                              interrupt_);
     if (Stopped()) return;
     figures_.density_fidelity +=
         share_ * MeasureDensityFidelity(reference_.surface(), reference_.density(), points);
@@ -117,7 +118,8 @@ class Sum {
       if (!reference_.density().uniform()) scales.push_back(1.0 / std::sqrt(DensityAt(point)));
     }
     const quality::DistanceFigures distances = quality::MeasureDistances(
-        positions, normals, surface.area(), Eigen::Vector3d::Zero(), scales, parallel_);
+        positions, normals, surface.area(), Eigen::Vector3d::Zero(), scales, parallel_, interrupt_);
+    if (Stopped()) return;
     figures_.relative_radius += share_ * distances.relative_radius;
     figures_.relative_radius_same_side += share_ * distances.relative_radius_same_side;
     figures_.mean_nearest_distance += share_ * distances.mean_nearest_distance;

@@ -4,6 +4,10 @@
 #include <cstdint>
 #include <optional>
 #include <stop_token>
+#include <string_view>
+#include <utility>
+
+#include "absl/status/status.h"
 
 namespace ccst {
 
@@ -35,13 +39,46 @@ class Interrupt {
     return (counter & 1023) == 0 ? Requested() : cause_.has_value();
   }
 
+  /// The same for loops whose steps differ: looks once in 1024 units of work, of up to 10
+  /// microseconds each.
+  /// @param work  units that the step before took, >= 0.
+  bool RequestedAfter(std::int64_t work) {
+    work_ += work;
+    if (work_ < 1024) return cause_.has_value();
+    work_ = 0;
+    return Requested();
+  }
+
+  /// The moment `seconds` > 0 after `start`: none where that is more than a year away, which is no
+  /// limit and might not fit the clock.
+  static std::optional<Clock::time_point> DeadlineAfter(Clock::time_point start, double seconds) {
+    if (!(seconds < 3.2e7)) return std::nullopt;
+    return start +
+           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  }
+
   /// Why, once requested.
   std::optional<Cause> cause() const { return cause_; }
+
+  /// The same without a deadline, for what has to be finished once it was begun.
+  Interrupt WithoutDeadline() const { return Interrupt(stop_); }
+
+  /// The same with the deadline brought forward by `reserve`, the time that what comes after takes.
+  Interrupt Earlier(Clock::duration reserve) const {
+    return Interrupt(stop_,
+                     deadline_.has_value() ? std::optional(*deadline_ - reserve) : deadline_);
+  }
+
+  /// The error of work that ended without a result because this was requested: CANCELLED
+  /// CANCELLED, or DEADLINE_EXCEEDED TIME_LIMIT_EXCEEDED where the time was up.
+  /// @param activity  what was going on, as a clause: "the mesh was repaired".
+  absl::Status Error(std::string_view activity) const;
 
  private:
   std::stop_token stop_;
   std::optional<Clock::time_point> deadline_;
   std::optional<Cause> cause_;
+  std::int64_t work_ = 0;  // Since the last look.
 };
 
 }  // namespace ccst

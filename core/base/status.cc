@@ -11,7 +11,7 @@ namespace {
 
 constexpr char kReasonPayloadUrl[] = "ccst/error-reason";
 
-constexpr std::array<std::pair<ErrorReason, std::string_view>, 28> kReasonNames = {{
+constexpr std::array<std::pair<ErrorReason, std::string_view>, 29> kReasonNames = {{
     {ErrorReason::kOptionInvalid, "OPTION_INVALID"},
     {ErrorReason::kMeshUnreadable, "MESH_UNREADABLE"},
     {ErrorReason::kDracoDecodeFailed, "DRACO_DECODE_FAILED"},
@@ -39,6 +39,7 @@ constexpr std::array<std::pair<ErrorReason, std::string_view>, 28> kReasonNames 
     {ErrorReason::kDraining, "DRAINING"},
     {ErrorReason::kCancelled, "CANCELLED"},
     {ErrorReason::kOutOfMemory, "OUT_OF_MEMORY"},
+    {ErrorReason::kTimeLimitExceeded, "TIME_LIMIT_EXCEEDED"},
     {ErrorReason::kInternal, "INTERNAL"},
 }};
 

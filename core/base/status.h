@@ -39,6 +39,7 @@ enum class ErrorReason {
   kDraining,             ///< The server is going away.
   kCancelled,            ///< The caller went away or asked to stop.
   kOutOfMemory,          ///< The computation needs more memory than there is.
+  kTimeLimitExceeded,    ///< The time limit passed before there was a result.
   kInternal,             ///< A fault of the program.
 };
 

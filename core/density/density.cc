@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/assert.h"
+#include "core/base/portable_math.h"
 #include "core/base/status.h"
 
 namespace ccst {
@@ -16,6 +18,8 @@ namespace {
 constexpr double kPartPixels = 2.0;
 constexpr int kDeepest = 8;
 constexpr double kMostMeans = 1 << 24;
+/// How many parts make one unit of work of an Interrupt.
+constexpr std::int64_t kPartsAUnit = 16;
 
 const std::array<Eigen::Vector3d, 3> kWholeFace = {
     Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()};
@@ -115,7 +119,7 @@ Density Density::Uniform(const Surface& surface) {
 }
 
 absl::StatusOr<Density> Density::Linear(const Surface& surface, std::vector<double> corners,
-                                        double max_contrast) {
+                                        double max_contrast, Interrupt* interrupt) {
   CCST_RETURN_IF_ERROR(CheckContrast(max_contrast));
   double largest = 0.0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -130,13 +134,13 @@ absl::StatusOr<Density> Density::Linear(const Surface& surface, std::vector<doub
   for (double& value : corners) value = std::max(value / largest, 1.0 / max_contrast);
   Density density;
   density.corners_ = std::move(corners);
-  density.Normalise(surface);
+  CCST_RETURN_IF_ERROR(density.Normalise(surface, interrupt));
   return density;
 }
 
 absl::StatusOr<Density> Density::Textured(const Surface& surface,
                                           const std::vector<Eigen::Vector2d>& coordinates,
-                                          const Image& image, double max_contrast) {
+                                          Image image, double max_contrast, Interrupt* interrupt) {
   CCST_RETURN_IF_ERROR(CheckContrast(max_contrast));
   float largest = 0.0F;
   for (std::size_t i = 0; i < image.values.size(); ++i) {
@@ -158,13 +162,13 @@ absl::StatusOr<Density> Density::Textured(const Surface& surface,
     }
     density.coordinates_[i] = coordinates[i].cast<float>();
   }
-  density.pyramid_.push_back(image);
+  const double pixels = static_cast<double>(image.width) * image.height;
+  density.pyramid_.push_back(std::move(image));
   for (float& value : density.pyramid_[0].values) value /= largest;
   while (density.pyramid_.back().width > 1 || density.pyramid_.back().height > 1) {
     density.pyramid_.push_back(Halve(density.pyramid_.back()));
   }
   density.floor_ = 1.0 / max_contrast;
-  const double pixels = static_cast<double>(image.width) * image.height;
   density.pixels_per_area_.resize(surface.face_count());
   for (std::int32_t f = 0; f < surface.face_count(); ++f) {
     const Eigen::Vector2d a = coordinates[3 * f + 1] - coordinates[3 * f];
@@ -173,11 +177,12 @@ absl::StatusOr<Density> Density::Textured(const Surface& surface,
     const double area = surface.face_areas()[f];
     density.pixels_per_area_[f] = area > 0.0 ? static_cast<float>(covered / area) : 0.0F;
   }
-  density.Normalise(surface);
+  CCST_RETURN_IF_ERROR(density.Normalise(surface, interrupt));
   return density;
 }
 
 double Density::At(std::int32_t face, const Eigen::Vector3d& weights, double area) const {
+  CCST_ASSERT(face >= 0 && static_cast<std::size_t>(face) < face_capacities_.size());
   return uniform() ? 1.0 : scale_ * Value(face, weights, area);
 }
 
@@ -195,7 +200,7 @@ double Density::Value(std::int32_t face, const Eigen::Vector3d& weights, double 
   // Pixels of the level looked up are twice as wide as the footprint: patterns near its own size
   // would alias.
   const double pixels = 4.0 * area * pixels_per_area_[face];
-  const double level = std::min(pixels > 1.0 ? 0.5 * std::log2(pixels) : 0.0,
+  const double level = std::min(pixels > 1.0 ? 0.5 * PortableLog2(pixels) : 0.0,
                                 static_cast<double>(pyramid_.size() - 1));
   const auto low = static_cast<std::size_t>(level);
   double value = Lookup(pyramid_[low], u, v);
@@ -207,7 +212,7 @@ double Density::Value(std::int32_t face, const Eigen::Vector3d& weights, double 
 
 double Density::BuildTree(std::int32_t face, const std::array<Eigen::Vector3d, 3>& part, int level,
                           std::size_t index) {
-  const double share = std::pow(0.25, level);
+  const double share = PortableExp2(-2.0 * level);
   double mean = 0.0;
   if (level == depths_[face]) {
     mean = Value(face, Center(part), share * face_areas_[face]);
@@ -229,8 +234,8 @@ void Density::PlanTrees(const Surface& surface) {
     const double pixels = face_areas_[f] * pixels_per_area_[f];
     const double allowed = kMostMeans * face_areas_[f] / surface.area();
     int depth = 0;
-    while (depth < kDeepest && pixels > kPartPixels * std::pow(4.0, depth) &&
-           std::pow(4.0, depth + 1) < allowed) {
+    while (depth < kDeepest && pixels > kPartPixels * std::ldexp(1.0, 2 * depth) &&
+           std::ldexp(1.0, 2 * (depth + 1)) < allowed) {
       ++depth;
     }
     depths_[f] = static_cast<std::int8_t>(depth);
@@ -240,12 +245,17 @@ void Density::PlanTrees(const Surface& surface) {
   means_.resize(nodes);
 }
 
-void Density::Normalise(const Surface& surface) {
+absl::Status Density::Normalise(const Surface& surface, Interrupt* interrupt) {
+  Interrupt never;
+  if (interrupt == nullptr) interrupt = &never;
   face_areas_ = surface.face_areas();
   if (!pyramid_.empty()) PlanTrees(surface);
   face_capacities_.resize(face_areas_.size());
   double total = 0.0;
   for (std::size_t f = 0; f < face_areas_.size(); ++f) {
+    const std::int64_t parts =
+        pyramid_.empty() ? 0 : static_cast<std::int64_t>(LevelStart(depths_[f] + 1)) / kPartsAUnit;
+    if (interrupt->RequestedAfter(1 + parts)) return interrupt->Error("the density was measured");
     const auto face = static_cast<std::int32_t>(f);
     const double mean =
         pyramid_.empty() ? Value(face, Center(kWholeFace), 0.0) : BuildTree(face, kWholeFace, 0, 0);
@@ -258,6 +268,7 @@ void Density::Normalise(const Surface& surface) {
     face_capacities_[f] *= scale_;
     component_capacities_[surface.face_components()[f]] += face_capacities_[f];
   }
+  return absl::OkStatus();
 }
 
 Eigen::Vector3d Density::PointAt(std::int32_t face, double t) const {

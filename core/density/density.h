@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "absl/status/statusor.h"
+#include "core/base/interrupt.h"
 #include "core/density/image.h"
 #include "core/surface/surface.h"
 
@@ -24,17 +25,21 @@ class Density {
   /// Linear over each face.
   /// @param corners       3 F values, finite and >= 0, not all zero.
   /// @param max_contrast  values below the largest over this are raised to it; > 1.
-  /// @errors INVALID_ARGUMENT DENSITY_INVALID naming the first wrong value, OPTION_INVALID.
+  /// @param interrupt     may be null.
+  /// @errors INVALID_ARGUMENT DENSITY_INVALID naming the first wrong value, OPTION_INVALID; those
+  ///         of Interrupt::Error().
   static absl::StatusOr<Density> Linear(const Surface& surface, std::vector<double> corners,
-                                        double max_contrast);
+                                        double max_contrast, Interrupt* interrupt = nullptr);
 
   /// The values of `image`, bilinear between pixel centres, over texture coordinates, which are
   /// repeated outside [0, 1].
   /// @param coordinates  3 F texture coordinates, linear over each face; (0, 0) is the lower left.
+  /// @param image        kept, with a third more for the images of halved sizes.
   /// @errors as Linear().
   static absl::StatusOr<Density> Textured(const Surface& surface,
                                           const std::vector<Eigen::Vector2d>& coordinates,
-                                          const Image& image, double max_contrast);
+                                          Image image, double max_contrast,
+                                          Interrupt* interrupt = nullptr);
 
   bool uniform() const { return corners_.empty() && pyramid_.empty(); }
 
@@ -59,7 +64,7 @@ class Density {
   double BuildTree(std::int32_t face, const std::array<Eigen::Vector3d, 3>& part, int level,
                    std::size_t index);
   void PlanTrees(const Surface& surface);
-  void Normalise(const Surface& surface);
+  absl::Status Normalise(const Surface& surface, Interrupt* interrupt);
 
   double scale_ = 1.0;
   double floor_ = 0.0;

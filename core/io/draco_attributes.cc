@@ -17,6 +17,7 @@ Type DracoTypeOf(AttributeKind kind) {
     case AttributeKind::kTextureCoordinates:
       return Type::TEX_COORD;
     case AttributeKind::kScalar:
+    case AttributeKind::kLabel:
       break;
   }
   return Type::GENERIC;
@@ -24,17 +25,24 @@ Type DracoTypeOf(AttributeKind kind) {
 
 draco::PointAttribute* AddDracoAttribute(draco::PointCloud& cloud, Type type,
                                          draco::DataType data_type, int components,
-                                         const std::string& name) {
+                                         const std::string& name, const std::string& kind) {
   draco::GeometryAttribute attribute;
   attribute.Init(type, nullptr, static_cast<std::int8_t>(components), data_type, false,
                  components * draco::DataTypeLength(data_type), 0);
   const int id = cloud.AddAttribute(attribute, /*identity_mapping=*/true, cloud.num_points());
-  if (!name.empty()) {
+  if (!name.empty() || !kind.empty()) {
     auto metadata = std::make_unique<draco::AttributeMetadata>();
-    metadata->AddEntryString(kDracoNameEntry, name);
+    if (!name.empty()) metadata->AddEntryString(kDracoNameEntry, name);
+    if (!kind.empty()) metadata->AddEntryString(kDracoKindEntry, kind);
     cloud.AddAttributeMetadata(id, std::move(metadata));
   }
   return cloud.attribute(id);
+}
+
+draco::PointAttribute* AddDracoAttribute(draco::PointCloud& cloud, const Attribute& attribute) {
+  const bool is_label = attribute.kind == AttributeKind::kLabel;
+  return AddDracoAttribute(cloud, DracoTypeOf(attribute.kind), draco::DT_FLOAT32,
+                           attribute.components, attribute.name, is_label ? kDracoLabelKind : "");
 }
 
 }  // namespace ccst::io

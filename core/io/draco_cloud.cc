@@ -34,9 +34,7 @@ absl::StatusOr<std::string> EncodeDracoCloud(const std::vector<Eigen::Vector3d>&
   std::vector<Attribute> named = attributes;
   NameAttributes(named);
   for (const Attribute& attribute : named) {
-    draco::PointAttribute* const out =
-        AddDracoAttribute(cloud, DracoTypeOf(attribute.kind), draco::DT_FLOAT32,
-                          attribute.components, attribute.name);
+    draco::PointAttribute* const out = AddDracoAttribute(cloud, attribute);
     const auto width = static_cast<std::size_t>(attribute.components);
     for (std::uint32_t i = 0; i < positions.size(); ++i) {
       out->SetAttributeValue(draco::AttributeValueIndex(i), attribute.values.data() + width * i);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
 #include "core/io/draco_names.h"
 #include "core/io/io_errors.h"
@@ -22,11 +23,33 @@ namespace {
 
 using Type = draco::GeometryAttribute::Type;
 
-std::string NameOf(const draco::Mesh& mesh, int id) {
-  std::string name;
+// The text that the metadata of an attribute has under `entry`; empty when there is none.
+std::string TextOf(const draco::Mesh& mesh, int id, const char* entry) {
+  std::string text;
   const draco::AttributeMetadata* const metadata = mesh.GetAttributeMetadataByAttributeId(id);
-  if (metadata != nullptr) metadata->GetEntryString(kDracoNameEntry, &name);
-  return name;
+  if (metadata != nullptr) metadata->GetEntryString(entry, &text);
+  return text;
+}
+
+std::string NameOf(const draco::Mesh& mesh, int id) { return TextOf(mesh, id, kDracoNameEntry); }
+
+// Whole numbers are labels, unless they say that they stand for fractions.
+bool IsLabel(const draco::Mesh& mesh, int id) {
+  const draco::PointAttribute& attribute = *mesh.attribute(id);
+  if (TextOf(mesh, id, kDracoKindEntry) == kDracoLabelKind) return true;
+  switch (attribute.data_type()) {
+    case draco::DT_INT8:
+    case draco::DT_UINT8:
+    case draco::DT_INT16:
+    case draco::DT_UINT16:
+    case draco::DT_INT32:
+    case draco::DT_UINT32:
+    case draco::DT_INT64:
+    case draco::DT_UINT64:
+      return !attribute.normalized();
+    default:
+      return false;
+  }
 }
 
 // The first components of a value as floats; false when they are no numbers. Draco itself reads
@@ -147,6 +170,7 @@ std::optional<Attribute> Describe(const draco::Mesh& mesh, int id) {
     default:
       return std::nullopt;
   }
+  if (IsLabel(mesh, id)) result.kind = AttributeKind::kLabel;
   if (result.name.empty()) result.name = absl::StrCat("attribute_", result.id);
   return result;
 }
@@ -206,8 +230,9 @@ absl::StatusOr<TriangleMesh> FromDraco(const draco::Mesh& mesh, const MeshLimits
   if (mesh.num_faces() == 0) return Empty("the mesh has no faces");
   const Vertices vertices(mesh, *positions);
   if (vertices.count() > limits.max_vertices) {
-    return OverLimit(absl::StrCat("the mesh has ", vertices.count(), " vertices; at most ",
-                                  limits.max_vertices, " are accepted"));
+    return ccst::OverLimit({"max_vertex_count", limits.max_vertices, vertices.count()},
+                           absl::StrCat("the mesh has ", vertices.count(), " vertices; at most ",
+                                        limits.max_vertices, " are accepted"));
   }
   TriangleMesh result;
   CCST_RETURN_IF_ERROR(FillPositions(mesh, *positions, vertices, result));
@@ -217,8 +242,10 @@ absl::StatusOr<TriangleMesh> FromDraco(const draco::Mesh& mesh, const MeshLimits
     auto attribute = Describe(mesh, id);
     if (!attribute.has_value()) continue;
     if (result.attributes.size() == kMaxAttributes) {
-      return OverLimit(absl::StrCat("the mesh has more than ", kMaxAttributes,
-                                    " attributes besides positions and normals"));
+      constexpr auto kMost = static_cast<std::int64_t>(kMaxAttributes);
+      return ccst::OverLimit({"max_attribute_count", kMost, kMost + 1},
+                             absl::StrCat("the mesh has more than ", kMaxAttributes,
+                                          " attributes besides positions and normals"));
     }
     CCST_RETURN_IF_ERROR(FillValues(mesh, *mesh.attribute(id), vertices, *attribute));
     result.attributes.push_back(*std::move(attribute));

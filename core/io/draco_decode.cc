@@ -1,9 +1,12 @@
+#include <iterator>
 #include <new>
 #include <stdexcept>
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
+#include "core/io/draco_announced.h"
 #include "core/io/draco_convert.h"
 #include "core/io/draco_guard.h"
 #include "core/io/draco_header.h"
@@ -17,12 +20,18 @@
 namespace ccst {
 namespace {
 
+// What the stream announces that decoding takes. Where that cannot be read, Draco will say why.
+std::int64_t AnnouncedBytes(std::span<const char> bytes, const MeshLimits& limits) {
+  const auto announced = io::ReadDracoAnnouncement(SourceOf(bytes), limits);
+  return announced.ok() ? io::MemoryOf(*announced).decoder_bytes : limits.max_decoded_bytes;
+}
+
 template <typename Decoder>
 absl::Status Decode(std::span<const char> bytes, const MeshLimits& limits, draco::Mesh& mesh) {
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());
   const draco::DecoderOptions options;
-  io::GuardedDracoDecoder<Decoder> decoder(bytes.size(), limits);
+  io::GuardedDracoDecoder<Decoder> decoder(bytes.size(), limits, AnnouncedBytes(bytes, limits));
   const draco::Status status = decoder.Decode(options, &buffer, &mesh);
   CCST_RETURN_IF_ERROR(decoder.refusal());
   if (status.ok()) return absl::OkStatus();
@@ -33,7 +42,8 @@ absl::Status Decode(std::span<const char> bytes, const MeshLimits& limits, draco
 
 absl::StatusOr<TriangleMesh> DecodeChecked(std::span<const char> bytes, const MeshLimits& limits) {
   if (static_cast<std::int64_t>(bytes.size()) > limits.max_bytes) {
-    return io::OverLimit(
+    return OverLimit(
+        {"max_mesh_bytes", limits.max_bytes, std::ssize(bytes)},
         absl::StrCat(bytes.size(), " bytes; at most ", limits.max_bytes, " are accepted"));
   }
   CCST_ASSIGN_OR_RETURN(const io::DracoHeader header, io::ReadDracoHeader(bytes));
@@ -54,7 +64,7 @@ absl::StatusOr<TriangleMesh> DecodeDraco(std::span<const char> bytes, const Mesh
   try {
     return DecodeChecked(bytes, limits);
   } catch (const std::bad_alloc&) {
-    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kLimitExceeded,
+    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kOutOfMemory,
                      "not enough memory to decode the mesh");
   } catch (const std::length_error&) {
     return io::NotDraco("the stream announces more than any memory holds");

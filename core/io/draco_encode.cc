@@ -52,9 +52,7 @@ absl::Status Validate(const TriangleMesh& mesh, std::optional<int> quantization_
 using Type = draco::GeometryAttribute::Type;
 
 void AddAttribute(const Attribute& attribute, const io::DracoPoints& points, draco::Mesh& mesh) {
-  draco::PointAttribute* const out =
-      io::AddDracoAttribute(mesh, io::DracoTypeOf(attribute.kind), draco::DT_FLOAT32,
-                            attribute.components, attribute.name);
+  draco::PointAttribute* const out = io::AddDracoAttribute(mesh, attribute);
   const auto width = static_cast<std::size_t>(attribute.components);
   constexpr std::array<float, 4> kNone = {};
   for (std::uint32_t p = 0; p < points.count(); ++p) {
@@ -123,11 +121,13 @@ absl::StatusOr<std::string> Encode(const draco::Mesh& mesh, std::optional<int> q
 
 absl::StatusOr<std::string> EncodeDraco(const TriangleMesh& mesh,
                                         std::optional<int> quantization_bits,
-                                        std::span<const std::int32_t> face_source) {
+                                        std::span<const std::int32_t> face_source,
+                                        std::span<const Eigen::Vector3i> face_corners) {
   CCST_RETURN_IF_ERROR(Validate(mesh, quantization_bits));
   CCST_ASSIGN_OR_RETURN(const std::unique_ptr<draco::Mesh> draco_mesh,
                         ToDraco(io::ToStreamLayout(mesh)));
   io::AddFaceSource(face_source, *draco_mesh);
+  io::AddFaceCorners(face_source, face_corners, *draco_mesh);
   CCST_ASSIGN_OR_RETURN(std::string stream, Encode(*draco_mesh, quantization_bits, true));
   // Decoders refuse a sequential stream with fewer than three bytes a face to come, although
   // compressed indices and quantised positions can do with less. Bytes behind the mesh are

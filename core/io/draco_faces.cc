@@ -81,6 +81,59 @@ absl::StatusOr<std::vector<std::int32_t>> Expand(const std::vector<std::uint8_t>
   return face_source;
 }
 
+// Triangles [first, end) of the face that triangle `first` begins.
+std::size_t EndOfFace(std::span<const std::int32_t> face_source, std::size_t first) {
+  std::size_t end = first + 1;
+  while (end < face_source.size() && face_source[end] == face_source[first]) ++end;
+  return end;
+}
+
+absl::StatusOr<std::vector<Eigen::Vector3i>> ExpandCorners(
+    const std::vector<std::uint8_t>& bytes, std::span<const std::int32_t> face_source) {
+  const auto damaged = io::NotDraco(absl::StrCat("the metadata entry ", io::kDracoCornersEntry,
+                                                 " does not fit the mesh's faces"));
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  buffer.set_bitstream_version(DRACO_BITSTREAM_VERSION(2, 2));
+  std::vector<Eigen::Vector3i> corners(face_source.size(), Eigen::Vector3i(0, 1, 2));
+  for (std::size_t first = 0, end = 0; first < face_source.size(); first = end) {
+    end = EndOfFace(face_source, first);
+    if (end - first == 1) continue;
+    const std::size_t count = end - first + 2;
+    for (std::size_t t = first; t < end; ++t) {
+      for (int k = 0; k < 3; ++k) {
+        std::uint32_t corner = 0;
+        if (!draco::DecodeVarint(&corner, &buffer) || corner >= count) return damaged;
+        corners[t][k] = static_cast<int>(corner);
+      }
+    }
+  }
+  if (buffer.remaining_size() > 0) return damaged;
+  return corners;
+}
+
+// The entry of this name in the mesh's metadata; nothing where there is none.
+absl::StatusOr<std::vector<std::uint8_t>> ReadEntry(const io::DracoHeader& header,
+                                                    std::span<const char> bytes, const char* name) {
+  std::vector<std::uint8_t> entry;
+  if (!header.has_metadata) return entry;
+  draco::DecoderBuffer buffer;
+  buffer.Init(bytes.data(), bytes.size());
+  buffer.Advance(kHeaderBytes);
+  draco::GeometryMetadata metadata;
+  if (!draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata)) {
+    return io::NotDraco("the metadata is damaged");
+  }
+  metadata.GetEntryBinary(name, &entry);
+  return entry;
+}
+
+void AddEntry(const char* name, const draco::EncoderBuffer& buffer, draco::Mesh& mesh) {
+  if (mesh.metadata() == nullptr) mesh.AddMetadata(std::make_unique<draco::GeometryMetadata>());
+  mesh.metadata()->AddEntryBinary(
+      name, std::vector<std::uint8_t>(buffer.data(), buffer.data() + buffer.size()));
+}
+
 }  // namespace
 
 namespace io {
@@ -93,26 +146,43 @@ void AddFaceSource(std::span<const std::int32_t> face_source, draco::Mesh& mesh)
     draco::EncodeVarint(run.triangles, &buffer);
     draco::EncodeVarint(run.count, &buffer);
   }
-  if (mesh.metadata() == nullptr) mesh.AddMetadata(std::make_unique<draco::GeometryMetadata>());
-  mesh.metadata()->AddEntryBinary(
-      kDracoFacesEntry, std::vector<std::uint8_t>(buffer.data(), buffer.data() + buffer.size()));
+  AddEntry(kDracoFacesEntry, buffer, mesh);
+}
+
+void AddFaceCorners(std::span<const std::int32_t> face_source,
+                    std::span<const Eigen::Vector3i> face_corners, draco::Mesh& mesh) {
+  if (face_corners.size() != face_source.size() || face_source.empty()) return;
+  if (!std::is_sorted(face_source.begin(), face_source.end())) return;
+  draco::EncoderBuffer buffer;
+  for (std::size_t first = 0, end = 0; first < face_source.size(); first = end) {
+    end = EndOfFace(face_source, first);
+    if (end - first == 1) continue;
+    for (std::size_t t = first; t < end; ++t) {
+      for (const int corner : face_corners[t]) {
+        draco::EncodeVarint(static_cast<std::uint32_t>(corner), &buffer);
+      }
+    }
+  }
+  if (buffer.size() > 0) AddEntry(kDracoCornersEntry, buffer, mesh);
 }
 
 }  // namespace io
 
 absl::StatusOr<std::vector<std::int32_t>> DracoFaceSource(std::span<const char> bytes) {
   CCST_ASSIGN_OR_RETURN(const io::DracoHeader header, io::ReadDracoHeader(bytes));
-  if (!header.has_metadata) return std::vector<std::int32_t>();
-  draco::DecoderBuffer buffer;
-  buffer.Init(bytes.data(), bytes.size());
-  buffer.Advance(kHeaderBytes);
-  draco::GeometryMetadata metadata;
-  std::vector<std::uint8_t> entry;
-  if (!draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata)) {
-    return io::NotDraco("the metadata is damaged");
-  }
-  if (!metadata.GetEntryBinary(io::kDracoFacesEntry, &entry)) return std::vector<std::int32_t>();
+  CCST_ASSIGN_OR_RETURN(const std::vector<std::uint8_t> entry,
+                        ReadEntry(header, bytes, io::kDracoFacesEntry));
+  if (entry.empty()) return std::vector<std::int32_t>();
   return Expand(entry, header.faces);
+}
+
+absl::StatusOr<std::vector<Eigen::Vector3i>> DracoFaceCorners(std::span<const char> bytes) {
+  CCST_ASSIGN_OR_RETURN(const io::DracoHeader header, io::ReadDracoHeader(bytes));
+  CCST_ASSIGN_OR_RETURN(const std::vector<std::uint8_t> entry,
+                        ReadEntry(header, bytes, io::kDracoCornersEntry));
+  if (entry.empty()) return std::vector<Eigen::Vector3i>();
+  CCST_ASSIGN_OR_RETURN(const std::vector<std::int32_t> face_source, DracoFaceSource(bytes));
+  return ExpandCorners(entry, face_source);
 }
 
 }  // namespace ccst

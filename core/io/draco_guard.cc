@@ -36,12 +36,13 @@ bool SkipIntegers(draco::DecoderBuffer& buffer, std::size_t entries, int compone
 }  // namespace
 
 absl::Status CheckDracoAttributes(const draco::Mesh& mesh, std::size_t size,
-                                  const MeshLimits& limits) {
+                                  const MeshLimits& limits, std::int64_t announced_bytes) {
   // With seams there are more points than vertices were announced, though never more than
   // corners.
   const std::int64_t points = mesh.num_points();
   const std::int64_t corners = 3 * std::int64_t{mesh.num_faces()};
   std::int64_t needed = 0;
+  std::int64_t value_total = 0;
   for (int i = 0; i < mesh.num_attributes(); ++i) {
     const draco::PointAttribute& attribute = *mesh.attribute(i);
     const std::int64_t components = attribute.num_components();
@@ -49,6 +50,11 @@ absl::Status CheckDracoAttributes(const draco::Mesh& mesh, std::size_t size,
     // The values, the integers they are decoded from, the map from points to values, and what we
     // make of them: floats, by corner where they have to be.
     needed += points * (components * (value_bytes + 4) + 4) + 4 * corners * components;
+    value_total += points * components * value_bytes;
+  }
+  if (value_total > announced_bytes) {
+    return NotDraco(absl::StrCat("its attributes take ", value_total, " bytes, more than the ",
+                                 announced_bytes, " for all that it announced"));
   }
   return CheckDracoMemory(
       needed, size, limits,

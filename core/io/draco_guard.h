@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "absl/status/status.h"
 #include "core/io/draco_header.h"
@@ -12,10 +13,11 @@
 
 namespace ccst::io {
 
-/// Refuses a mesh whose attributes, as listed, would take more to decode than allowed. The
-/// header says nothing of attributes, and a few bytes can announce hundreds of wide ones.
+/// Refuses a mesh whose attributes, as listed, would take more to decode than allowed, or than the
+/// whole stream announced, for which memory is there. The header says nothing of attributes, and a
+/// few bytes can announce hundreds of wide ones.
 absl::Status CheckDracoAttributes(const draco::Mesh& mesh, std::size_t size,
-                                  const MeshLimits& limits);
+                                  const MeshLimits& limits, std::int64_t announced_bytes);
 
 /// Refuses the values of an attribute whose texture-coordinate prediction announces more
 /// orientation bits than the mesh has corners: Draco decodes as many as 2^31 of them, half a
@@ -31,7 +33,9 @@ absl::Status CheckDracoOrientations(const draco::DecoderBuffer& buffer, std::siz
 template <typename Decoder>
 class GuardedDracoDecoder : public Decoder {
  public:
-  GuardedDracoDecoder(std::size_t size, const MeshLimits& limits) : size_(size), limits_(limits) {}
+  /// @param announced_bytes  what decoding may take, from ReadDracoAnnouncement()
+  GuardedDracoDecoder(std::size_t size, const MeshLimits& limits, std::int64_t announced_bytes)
+      : size_(size), limits_(limits), announced_bytes_(announced_bytes) {}
 
   /// Why the stream was refused; OK when it was not. Not OK takes precedence over what Decode
   /// returned, which may then be success with wrong values.
@@ -54,13 +58,14 @@ class GuardedDracoDecoder : public Decoder {
 
  protected:
   bool DecodeAllAttributes() override {
-    refusal_.Update(CheckDracoAttributes(*this->mesh(), size_, limits_));
+    refusal_.Update(CheckDracoAttributes(*this->mesh(), size_, limits_, announced_bytes_));
     return refusal_.ok() && Decoder::DecodeAllAttributes();
   }
 
  private:
   std::size_t size_;
   MeshLimits limits_;
+  std::int64_t announced_bytes_;
   mutable absl::Status refusal_;
 };
 

@@ -1,15 +1,14 @@
 #include "core/io/draco_header.h"
 
 #include <algorithm>
-#include <limits>
-#include <optional>
 #include <string>
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
+#include "core/io/byte_reader.h"
 #include "core/io/io_errors.h"
-#include "core/io/numbers.h"
 
 namespace ccst::io {
 namespace {
@@ -28,117 +27,56 @@ constexpr std::int64_t kBytesPerFace = 64;
 constexpr std::int64_t kBytesPerVertex = 64;
 constexpr std::int64_t kBytesPerSeamFace = 40;
 
-class Reader {
- public:
-  explicit Reader(std::span<const char> bytes) : bytes_(bytes) {}
-
-  template <typename T>
-  std::optional<T> Fixed() {
-    if (remaining() < sizeof(T)) return std::nullopt;
-    const T value = LoadBytes<T>(bytes_.data() + position_, std::endian::little);
-    position_ += sizeof(T);
-    return value;
-  }
-
-  // LEB128, at most as many bytes as 32 bits take.
-  std::optional<std::uint32_t> Varint() {
-    std::uint64_t value = 0;
-    for (int shift = 0; shift < 35; shift += 7) {
-      const auto byte = Fixed<std::uint8_t>();
-      if (!byte.has_value()) return std::nullopt;
-      value |= std::uint64_t{*byte & 0x7fu} << shift;
-      if ((*byte & 0x80u) == 0) {
-        if (value > std::numeric_limits<std::uint32_t>::max()) return std::nullopt;
-        return static_cast<std::uint32_t>(value);
-      }
-    }
-    return std::nullopt;
-  }
-
-  bool Skip(std::size_t count) {
-    if (count > remaining()) return false;
-    position_ += count;
-    return true;
-  }
-
-  std::size_t position() const { return position_; }
-  std::size_t remaining() const { return bytes_.size() - position_; }
-
- private:
-  std::span<const char> bytes_;
-  std::size_t position_ = 0;
-};
-
-absl::Status Truncated(const Reader& reader, const char* what) {
+absl::Status Truncated(const ByteReader& reader, const char* what) {
+  CCST_RETURN_IF_ERROR(reader.status());
   return NotDraco(
       absl::StrCat("byte ", reader.position(), ": the stream ends, or is damaged, in ", what));
 }
 
-bool SkipName(Reader& reader) {
-  const auto size = reader.Fixed<std::uint8_t>();
-  return size.has_value() && reader.Skip(*size);
+void SkipName(ByteReader& reader) { reader.Skip(reader.Fixed<std::uint8_t>()); }
+
+// Entries, then named metadata of the same shape. Every turn of these loops takes a byte, so that
+// the counts cannot make them long.
+void SkipMetadata(ByteReader& reader, int depth) {
+  if (depth > kMaxMetadataDepth) return reader.Fail();
+  const std::uint32_t entries = reader.Varint32();
+  for (std::uint32_t i = 0; i < entries && !reader.failed(); ++i) {
+    SkipName(reader);
+    reader.Skip(reader.Varint32());
+  }
+  const std::uint32_t children = reader.Varint32();
+  for (std::uint32_t i = 0; i < children && !reader.failed(); ++i) {
+    SkipName(reader);
+    SkipMetadata(reader, depth + 1);
+  }
 }
 
-// Entries, then named metadata of the same shape.
-bool SkipMetadata(Reader& reader, int depth) {
-  if (depth > kMaxMetadataDepth) return false;
-  const auto entries = reader.Varint();
-  if (!entries.has_value()) return false;
-  for (std::uint32_t i = 0; i < *entries; ++i) {
-    if (!SkipName(reader)) return false;
-    const auto size = reader.Varint();
-    if (!size.has_value() || !reader.Skip(*size)) return false;
+void SkipGeometryMetadata(ByteReader& reader) {
+  const std::uint32_t attributes = reader.Varint32();
+  for (std::uint32_t i = 0; i < attributes && !reader.failed(); ++i) {
+    reader.Varint32();
+    SkipMetadata(reader, 0);
   }
-  const auto children = reader.Varint();
-  if (!children.has_value()) return false;
-  for (std::uint32_t i = 0; i < *children; ++i) {
-    if (!SkipName(reader) || !SkipMetadata(reader, depth + 1)) return false;
-  }
-  return true;
+  SkipMetadata(reader, 0);
 }
 
-// Every turn of these loops takes a byte, so that the counts cannot make them long.
-bool SkipGeometryMetadata(Reader& reader) {
-  const auto attributes = reader.Varint();
-  if (!attributes.has_value()) return false;
-  for (std::uint32_t i = 0; i < *attributes; ++i) {
-    if (!reader.Varint().has_value() || !SkipMetadata(reader, 0)) return false;
-  }
-  return SkipMetadata(reader, 0);
+void ReadSequentialCounts(ByteReader& reader, bool fixed, DracoHeader& header) {
+  const auto count = [&] { return fixed ? reader.Fixed<std::uint32_t>() : reader.Varint32(); };
+  header.faces = count();
+  header.points = count();
+  header.compressed_indices = reader.Fixed<std::uint8_t>() == 0;
 }
 
-bool ReadSequentialCounts(Reader& reader, bool fixed, DracoHeader& header) {
-  const auto faces = fixed ? reader.Fixed<std::uint32_t>() : reader.Varint();
-  const auto points = fixed ? reader.Fixed<std::uint32_t>() : reader.Varint();
-  const auto method = reader.Fixed<std::uint8_t>();
-  if (!faces.has_value() || !points.has_value() || !method.has_value()) return false;
-  header.faces = *faces;
-  header.points = *points;
-  header.compressed_indices = *method == 0;
-  return true;
-}
-
-bool ReadEdgebreakerCounts(Reader& reader, bool fixed, bool has_new_vertices, DracoHeader& header) {
-  const auto count = [&] { return fixed ? reader.Fixed<std::uint32_t>() : reader.Varint(); };
-  const auto traversal = reader.Fixed<std::uint8_t>();
-  if (!traversal.has_value()) return false;
-  if (has_new_vertices && !count().has_value()) return false;
-  const auto vertices = count();
-  const auto faces = count();
-  const auto attributes = reader.Fixed<std::uint8_t>();
-  const auto symbols = count();
-  const auto splits = count();
-  if (!vertices.has_value() || !faces.has_value() || !attributes.has_value() ||
-      !symbols.has_value() || !splits.has_value()) {
-    return false;
-  }
-  header.traversal = *traversal;
-  header.points = *vertices;
-  header.faces = *faces;
-  header.attribute_connectivities = *attributes;
-  header.symbols = *symbols;
-  header.split_symbols = *splits;
-  return true;
+void ReadEdgebreakerCounts(ByteReader& reader, bool fixed, bool has_new_vertices,
+                           DracoHeader& header) {
+  const auto count = [&] { return fixed ? reader.Fixed<std::uint32_t>() : reader.Varint32(); };
+  header.traversal = reader.Fixed<std::uint8_t>();
+  if (has_new_vertices) count();
+  header.points = count();
+  header.faces = count();
+  header.attribute_connectivities = reader.Fixed<std::uint8_t>();
+  header.symbols = count();
+  header.split_symbols = count();
 }
 
 // Bytes of a vertex index in a sequential stream without entropy coding.
@@ -158,48 +96,53 @@ absl::Status Impossible(const DracoHeader& header, const std::string& why) {
 }  // namespace
 
 absl::StatusOr<DracoHeader> ReadDracoHeader(std::span<const char> bytes) {
-  if (!std::string_view(bytes.data(), bytes.size()).starts_with(kMagic)) {
+  return ReadDracoHeader(SourceOf(bytes));
+}
+
+absl::StatusOr<DracoHeader> ReadDracoHeader(const ByteSource& source) {
+  ByteReader reader(source);
+  for (const char letter : kMagic) {
+    if (reader.Fixed<char>() == letter && !reader.failed()) continue;
+    CCST_RETURN_IF_ERROR(reader.status());
     return NotDraco("byte 0: a Draco stream starts with 'DRACO'");
   }
-  Reader reader(bytes);
-  reader.Skip(kMagic.size());
-  const auto major = reader.Fixed<std::uint8_t>();
-  const auto minor = reader.Fixed<std::uint8_t>();
-  const auto type = reader.Fixed<std::uint8_t>();
-  const auto method = reader.Fixed<std::uint8_t>();
-  const auto flags = reader.Fixed<std::uint16_t>();
-  if (!flags.has_value()) return Truncated(reader, "its header");
-
   DracoHeader header;
-  header.version_major = *major;
-  header.version_minor = *minor;
-  const int version = *major * 100 + *minor;
-  if (*type == kPointCloud) {
+  header.version_major = reader.Fixed<std::uint8_t>();
+  header.version_minor = reader.Fixed<std::uint8_t>();
+  const int type = reader.Fixed<std::uint8_t>();
+  const int method = reader.Fixed<std::uint8_t>();
+  const auto flags = reader.Fixed<std::uint16_t>();
+  if (reader.failed()) return Truncated(reader, "its header");
+
+  const int version = header.version_major * 100 + header.version_minor;
+  if (type == kPointCloud) {
     return NotDraco("the stream holds a point cloud, not a mesh; sampling a surface needs faces");
   }
-  if (*type != kMesh) {
-    return NotDraco(absl::StrCat("byte 7: geometry type ", *type, "; 1, a mesh, is expected"));
+  if (type != kMesh) {
+    return NotDraco(absl::StrCat("byte 7: geometry type ", type, "; 1, a mesh, is expected"));
   }
   if (version < 101 || version > 202) {
-    return NotDraco(absl::StrCat("byte 5: bitstream version ", *major, ".", *minor,
+    return NotDraco(absl::StrCat("byte 5: bitstream version ", header.version_major, ".",
+                                 header.version_minor,
                                  "; versions 1.1 to 2.2 of meshes are known"));
   }
-  if (*method > 1) {
-    return NotDraco(absl::StrCat("byte 8: encoding method ", *method,
+  if (method > 1) {
+    return NotDraco(absl::StrCat("byte 8: encoding method ", method,
                                  "; 0 (sequential) and 1 (Edgebreaker) are known"));
   }
-  header.method = *method == 0 ? DracoMethod::kSequential : DracoMethod::kEdgebreaker;
-  header.has_metadata = version >= 103 && (*flags & kMetadataFlag) != 0;
-  if (header.has_metadata && !SkipGeometryMetadata(reader)) {
-    return Truncated(reader, "its metadata");
-  }
-  header.counts_offset = reader.position();
+  header.method = method == 0 ? DracoMethod::kSequential : DracoMethod::kEdgebreaker;
+  header.has_metadata = version >= 103 && (flags & kMetadataFlag) != 0;
+  if (header.has_metadata) SkipGeometryMetadata(reader);
+  if (reader.failed()) return Truncated(reader, "its metadata");
+  header.counts_offset = static_cast<std::size_t>(reader.position());
   // Sequential streams took up variable-length counts two versions after Edgebreaker ones.
-  const bool read = header.method == DracoMethod::kSequential
-                        ? ReadSequentialCounts(reader, version < 202, header)
-                        : ReadEdgebreakerCounts(reader, version < 200, version < 202, header);
-  if (!read) return Truncated(reader, "the numbers of faces and vertices");
-  header.data_offset = reader.position();
+  if (header.method == DracoMethod::kSequential) {
+    ReadSequentialCounts(reader, version < 202, header);
+  } else {
+    ReadEdgebreakerCounts(reader, version < 200, version < 202, header);
+  }
+  if (reader.failed()) return Truncated(reader, "the numbers of faces and vertices");
+  header.data_offset = static_cast<std::size_t>(reader.position());
   return header;
 }
 
@@ -213,9 +156,10 @@ std::int64_t DracoMemoryBudget(std::size_t size, const MeshLimits& limits) {
 absl::Status CheckDracoMemory(std::int64_t needed, std::size_t size, const MeshLimits& limits,
                               const std::string& what) {
   if (needed > limits.max_decoded_bytes) {
-    return OverLimit(absl::StrCat(what, " would take about ", needed >> 20,
-                                  " MiB to decode; at most ", limits.max_decoded_bytes >> 20,
-                                  " MiB are allowed"));
+    return ccst::OverLimit(
+        {"max_decoded_mesh_bytes", limits.max_decoded_bytes, needed},
+        absl::StrCat(what, " would take about ", needed >> 20, " MiB to decode; at most ",
+                     limits.max_decoded_bytes >> 20, " MiB are allowed"));
   }
   if (needed > DracoMemoryBudget(size, limits)) {
     return NotDraco(
@@ -230,12 +174,15 @@ absl::Status CheckDracoCounts(const DracoHeader& header, std::size_t size,
     return Empty(absl::StrCat("the mesh has no faces (and ", header.points, " vertices)"));
   }
   if (header.faces > limits.max_faces) {
-    return OverLimit(absl::StrCat("byte ", header.counts_offset, ": announces ", header.faces,
-                                  " faces; at most ", limits.max_faces, " are accepted"));
+    return ccst::OverLimit({"max_face_count", limits.max_faces, header.faces},
+                           absl::StrCat("byte ", header.counts_offset, ": announces ", header.faces,
+                                        " faces; at most ", limits.max_faces, " are accepted"));
   }
   if (header.points > limits.max_vertices) {
-    return OverLimit(absl::StrCat("byte ", header.counts_offset, ": announces ", header.points,
-                                  " vertices; at most ", limits.max_vertices, " are accepted"));
+    return ccst::OverLimit(
+        {"max_vertex_count", limits.max_vertices, header.points},
+        absl::StrCat("byte ", header.counts_offset, ": announces ", header.points,
+                     " vertices; at most ", limits.max_vertices, " are accepted"));
   }
   if (header.points > 3 * header.faces) return Impossible(header, "more than there are corners");
   const auto left = static_cast<std::int64_t>(size - header.data_offset);

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/io/byte_source.h"
 #include "core/io/mesh_limits.h"
 
 namespace ccst::io {
@@ -34,8 +35,10 @@ struct DracoHeader {
   std::int64_t split_symbols = 0;
 };
 
-/// Reads the header, passes over the metadata and reads the counts. Allocates nothing.
+/// Reads the header, passes over the metadata and reads the counts. Allocates a few kB.
 /// @errors INVALID_ARGUMENT DRACO_DECODE_FAILED, with the byte; says so of point clouds
+///       | those of `source`
+absl::StatusOr<DracoHeader> ReadDracoHeader(const ByteSource& source);
 absl::StatusOr<DracoHeader> ReadDracoHeader(std::span<const char> bytes);
 
 /// Refuses a stream of `size` bytes whose counts are over the limits, contradict each other, or

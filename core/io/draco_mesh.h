@@ -41,16 +41,23 @@ absl::StatusOr<TriangleMesh> DecodeDraco(std::span<const char> bytes,
 /// @errors INVALID_ARGUMENT  MESH_EMPTY no face; MESH_DEGENERATE an index out of range, a
 ///                           coordinate that is no finite float, an attribute of the wrong
 ///                           size; OPTION_INVALID bits out of range
-/// @param face_source  kept for DracoFaceSource(): F ascending numbers as in MeshFile, or empty
+/// @param face_source   kept for DracoFaceSource(): F ascending numbers as in MeshFile, or empty
+/// @param face_corners  kept for DracoFaceCorners(): F x 3 as in MeshFile, or empty
 absl::StatusOr<std::string> EncodeDraco(const TriangleMesh& mesh,
                                         std::optional<int> quantization_bits = std::nullopt,
-                                        std::span<const std::int32_t> face_source = {});
+                                        std::span<const std::int32_t> face_source = {},
+                                        std::span<const Eigen::Vector3i> face_corners = {});
 
 /// The `face_source` that a stream of EncodeDraco() carries, empty without one: F numbers that
 /// ascend. Reads the metadata alone, and trusts the announced counts: for streams that
 /// DecodeDraco() has taken.
 /// @errors INVALID_ARGUMENT  DRACO_DECODE_FAILED
 absl::StatusOr<std::vector<std::int32_t>> DracoFaceSource(std::span<const char> bytes);
+
+/// The `face_corners` that a stream of EncodeDraco() carries, F x 3, each below the corners of its
+/// face; empty without them. As DracoFaceSource().
+/// @errors INVALID_ARGUMENT  DRACO_DECODE_FAILED
+absl::StatusOr<std::vector<Eigen::Vector3i>> DracoFaceCorners(std::span<const char> bytes);
 
 /// Where to put the origin so that 32-bit floats lose little: zero when every coordinate is
 /// within 16 diagonals of the bounding box from it, which leaves ordinary meshes as they are;

@@ -78,6 +78,7 @@ class Keys {
       case AttributeKind::kTextureCoordinates:
         return absl::StrCat("TEXCOORD_", textures_++);
       case AttributeKind::kScalar:
+      case AttributeKind::kLabel:
         break;
     }
     return absl::StrCat("_", attribute.name);

@@ -26,6 +26,7 @@ bool Fits(const Attribute& attribute) {
     case AttributeKind::kTextureCoordinates:
       return attribute.components == 2;
     case AttributeKind::kScalar:
+    case AttributeKind::kLabel:
       break;
   }
   return attribute.components >= 1 && attribute.components <= 4;
@@ -78,15 +79,23 @@ absl::Status GltfAttributes::Check(const Attribute& attribute, std::size_t corne
 }
 
 absl::Status GltfAttributes::Append(const TriangleMesh& part, const std::array<int, 3>& order,
-                                    std::size_t before) {
+                                    std::size_t before,
+                                    std::map<std::string, std::int64_t>& ignored) {
   for (const Attribute& attribute : part.attributes) {
-    CCST_RETURN_IF_ERROR(Check(attribute, before + 3 * part.faces.size()));
+    const absl::Status status = Check(attribute, before + 3 * part.faces.size());
+    if (!status.ok()) {
+      if (GetErrorReason(status) != ErrorReason::kMeshUnreadable) return status;
+      ++ignored[absl::StrCat("attributes ", std::string(status.message()))];
+      continue;
+    }
     const auto width = static_cast<std::size_t>(attribute.components);
     const auto stored = static_cast<std::size_t>(StoredComponents(attribute));
     const bool is_texture = attribute.kind == AttributeKind::kTextureCoordinates;
     Attribute& whole =
         by_key_.try_emplace(attribute.name, Attribute{.name = "", .kind = attribute.kind})
             .first->second;
+    // A key that names labels in one part and other numbers in another names numbers.
+    if (whole.kind != attribute.kind) whole.kind = AttributeKind::kScalar;
     whole.components = std::max(whole.components, attribute.components);
     whole.values.resize(stored * before, Missing(attribute.kind));
     for (std::size_t f = 0; f < part.faces.size(); ++f) {
@@ -119,6 +128,7 @@ std::vector<Attribute> GltfAttributes::Finish(std::size_t corners) && {
         attribute.name = "uv";
         break;
       case AttributeKind::kScalar:
+      case AttributeKind::kLabel:
         attribute.name = key.substr(1);
         break;
     }

@@ -35,10 +35,11 @@ class GltfAttributes {
   /// Adds the attributes of `part`, whose names are their keys; the sizes must be right.
   /// @param order   in which the corners of each face follow each other
   /// @param before  corners of the parts before
-  /// @errors INVALID_ARGUMENT  MESH_UNREADABLE components that its kind does not have, or other
-  ///                           ones than in a part before; LIMIT_EXCEEDED
-  absl::Status Append(const TriangleMesh& part, const std::array<int, 3>& order,
-                      std::size_t before);
+  /// @param ignored attributes that were passed over, counted by a text for people: their
+  ///                components are not those of their kind, or other ones than in a part before
+  /// @errors INVALID_ARGUMENT  LIMIT_EXCEEDED
+  absl::Status Append(const TriangleMesh& part, const std::array<int, 3>& order, std::size_t before,
+                      std::map<std::string, std::int64_t>& ignored);
 
   /// The attributes in the order of their keys: colours, texture coordinates turned to count v from
   /// below, then the others, named without the underscore.

@@ -9,7 +9,9 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "core/base/status.h"
+#include "core/io/gltf_meshopt.h"
 #include "core/io/io_errors.h"
 #include "core/io/numbers.h"
 #include "core/io/whole_file.h"
@@ -72,6 +74,15 @@ std::string PercentDecoded(std::string_view uri) {
   return result;
 }
 
+// Whether a relative path leads to a file in the folder it starts from, or below.
+bool StaysBelow(std::string_view path) {
+  if (path.empty() || path.front() == '/' || path.back() == '/') return false;
+  if (path.find_first_of(std::string_view("\\:\0", 3)) != std::string_view::npos) return false;
+  const std::vector<absl::string_view> parts =
+      absl::StrSplit(absl::string_view(path.data(), path.size()), '/');
+  return std::find(parts.begin(), parts.end(), "..") == parts.end();
+}
+
 absl::StatusOr<std::string> ReadUri(const std::string& uri,
                                     const std::optional<std::string>& folder,
                                     std::int64_t max_bytes) {
@@ -88,11 +99,9 @@ absl::StatusOr<std::string> ReadUri(const std::string& uri,
     return data;
   }
   const std::string name = PercentDecoded(uri);
-  const bool is_beside = name.find_first_of(std::string_view("/\\\0", 3)) == std::string::npos &&
-                         name.ends_with(".bin");
-  if (!is_beside) {
-    return Unreadable(
-        absl::StrCat("buffer ", Quoted(name), ": only .bin files in the same folder are read"));
+  if (!StaysBelow(name)) {
+    return Unreadable(absl::StrCat("buffer ", Quoted(name),
+                                   ": only files in the mesh's folder or below it are read"));
   }
   if (!folder.has_value()) {
     return Unreadable(absl::StrCat("buffer ", Quoted(name), " is another file, but the mesh was ",
@@ -154,6 +163,23 @@ double GltfAccessor::At(std::int64_t row, int component) const {
   }
 }
 
+double GltfFullScale(int component_type) {
+  switch (component_type) {
+    case 5120:
+      return std::numeric_limits<std::int8_t>::max();
+    case 5121:
+      return std::numeric_limits<std::uint8_t>::max();
+    case 5122:
+      return std::numeric_limits<std::int16_t>::max();
+    case 5123:
+      return std::numeric_limits<std::uint16_t>::max();
+    case 5125:
+      return std::numeric_limits<std::uint32_t>::max();
+    default:
+      return 1.0;
+  }
+}
+
 absl::StatusOr<std::int64_t> GltfInteger(const Json& object, const char* key,
                                          std::int64_t missing) {
   const auto found = object.find(key);
@@ -169,6 +195,8 @@ absl::StatusOr<GltfDocument> GltfDocument::Open(std::string_view bytes,
                                                 const std::optional<std::string>& folder,
                                                 const MeshLimits& limits) {
   GltfDocument document;
+  document.max_decoded_bytes_ = limits.max_decoded_bytes;
+  document.decoded_left_ = limits.max_decoded_bytes;
   Chunks chunks{.json = bytes, .binary = {}};
   if (bytes.starts_with(kMagic)) {
     CCST_ASSIGN_OR_RETURN(chunks, CutGlb(bytes));
@@ -189,13 +217,16 @@ absl::Status GltfDocument::ReadBuffers(const std::optional<std::string>& folder,
   std::int64_t left = limits.max_bytes;
   for (const Json& buffer : *buffers) {
     CCST_ASSIGN_OR_RETURN(const std::int64_t length, GltfInteger(buffer, "byteLength", 0));
-    const bool is_binary = !buffer.contains("uri");
+    // Only the first buffer can be the chunk of the .glb; others without bytes are fallbacks of
+    // what is compressed elsewhere.
+    const bool is_binary = !buffer.contains("uri") && storage_.empty();
+    const bool is_fallback = !buffer.contains("uri") && !is_binary;
     std::string data;
-    if (!is_binary) {
+    if (!is_binary && !is_fallback) {
       CCST_ASSIGN_OR_RETURN(data, ReadUri(buffer["uri"].get<std::string>(), folder, left));
     }
     const std::size_t size = is_binary ? binary_.size() : data.size();
-    if (static_cast<std::uint64_t>(length) > size) {
+    if (static_cast<std::uint64_t>(length) > size && !is_fallback) {
       return Unreadable(absl::StrCat("buffer ", storage_.size(), " announces ", length,
                                      " bytes, but has ", size));
     }
@@ -215,11 +246,11 @@ absl::StatusOr<const Json*> GltfDocument::Element(const char* array, std::int64_
   return &(*found)[static_cast<std::size_t>(index)];
 }
 
-absl::StatusOr<std::string_view> GltfDocument::BufferView(std::int64_t index) const {
-  CCST_ASSIGN_OR_RETURN(const Json* const view, Element("bufferViews", index));
-  CCST_ASSIGN_OR_RETURN(const std::int64_t buffer, GltfInteger(*view, "buffer", -1));
-  CCST_ASSIGN_OR_RETURN(const std::int64_t offset, GltfInteger(*view, "byteOffset", 0));
-  CCST_ASSIGN_OR_RETURN(const std::int64_t length, GltfInteger(*view, "byteLength", 0));
+// The bytes of a buffer that `view`, a buffer view or an extension of one, cuts out.
+absl::StatusOr<std::string_view> GltfDocument::Buffer(const Json& view, std::int64_t index) const {
+  CCST_ASSIGN_OR_RETURN(const std::int64_t buffer, GltfInteger(view, "buffer", -1));
+  CCST_ASSIGN_OR_RETURN(const std::int64_t offset, GltfInteger(view, "byteOffset", 0));
+  CCST_ASSIGN_OR_RETURN(const std::int64_t length, GltfInteger(view, "byteLength", 0));
   CCST_RETURN_IF_ERROR(Element("buffers", buffer).status());
   const auto at = static_cast<std::size_t>(buffer);
   const std::string_view bytes = is_binary_[at] ? binary_ : std::string_view(storage_[at]);
@@ -231,13 +262,85 @@ absl::StatusOr<std::string_view> GltfDocument::BufferView(std::int64_t index) co
   return bytes.substr(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
 }
 
+absl::StatusOr<std::string_view> GltfDocument::BufferView(std::int64_t index) const {
+  CCST_ASSIGN_OR_RETURN(const Json* const view, Element("bufferViews", index));
+  const Json extensions = view->value("extensions", Json::object());
+  const auto extension = extensions.find(kMeshoptExtension);
+  if (extension == extensions.end()) return Buffer(*view, index);
+  if (const auto known = decoded_.find(index); known != decoded_.end()) return known->second;
+  CCST_ASSIGN_OR_RETURN(const std::string_view encoded, Buffer(*extension, index));
+  CCST_ASSIGN_OR_RETURN(std::string bytes, DecodeMeshopt(*extension, encoded, decoded_left_));
+  decoded_left_ -= static_cast<std::int64_t>(bytes.size());
+  return decoded_.emplace(index, std::move(bytes)).first->second;
+}
+
+// Where the rows of `accessor`, whose type and count are known, lie in `bytes`.
+absl::Status GltfDocument::LayOut(std::string_view bytes, std::int64_t offset,
+                                  const std::string& where, GltfAccessor& accessor) const {
+  const std::int64_t row =
+      std::int64_t{ComponentBytes(accessor.component_type)} * accessor.components;
+  const auto size = static_cast<std::int64_t>(bytes.size());
+  // In this order nothing overflows.
+  const bool fits = accessor.count > 0 && accessor.stride >= row && offset <= size - row &&
+                    accessor.count - 1 <= (size - row - offset) / accessor.stride;
+  if (!fits) {
+    return Unreadable(absl::StrCat(where, ": ", accessor.count, " rows of ", row,
+                                   " bytes do not fit its buffer view of ", size, " bytes"));
+  }
+  accessor.data = bytes.data() + offset;
+  return absl::OkStatus();
+}
+
+absl::Status GltfDocument::PutSparse(const Json& sparse, const std::string& where,
+                                     GltfAccessor& accessor) const {
+  const std::int64_t row =
+      std::int64_t{ComponentBytes(accessor.component_type)} * accessor.components;
+  CCST_ASSIGN_OR_RETURN(const std::int64_t count, GltfInteger(sparse, "count", 0));
+  const auto open = [&](const char* key, GltfAccessor& part) -> absl::Status {
+    const Json object = sparse.value(key, Json::object());
+    CCST_ASSIGN_OR_RETURN(const std::int64_t view, GltfInteger(object, "bufferView", -1));
+    CCST_ASSIGN_OR_RETURN(const std::string_view bytes, BufferView(view));
+    CCST_ASSIGN_OR_RETURN(const std::int64_t offset, GltfInteger(object, "byteOffset", 0));
+    if (part.component_type == 0) {
+      CCST_ASSIGN_OR_RETURN(const std::int64_t type, GltfInteger(object, "componentType", 0));
+      part.component_type = static_cast<int>(type);
+    }
+    part.count = count;
+    part.stride = std::int64_t{ComponentBytes(part.component_type)} * part.components;
+    if (part.stride == 0) return Unreadable(where + ": sparse indices are of an unknown type");
+    return LayOut(bytes, offset, where, part);
+  };
+  GltfAccessor indices{.components = 1};
+  GltfAccessor values{.component_type = accessor.component_type, .components = accessor.components};
+  CCST_RETURN_IF_ERROR(open("indices", indices));
+  CCST_RETURN_IF_ERROR(open("values", values));
+  if (accessor.count > max_decoded_bytes_ / row) {
+    return OverLimit(absl::StrCat(where, ": ", accessor.count, " rows of ", row, " bytes; at most ",
+                                  max_decoded_bytes_, " bytes are accepted"));
+  }
+  auto dense = std::make_shared<std::string>(static_cast<std::size_t>(accessor.count * row), '\0');
+  for (std::int64_t i = 0; i < accessor.count && accessor.stride > 0; ++i) {
+    std::copy_n(accessor.data + i * accessor.stride, row, dense->data() + i * row);
+  }
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double at = indices.At(i, 0);
+    if (!(at >= 0) || at >= static_cast<double>(accessor.count)) {
+      return Unreadable(
+          absl::StrCat(where, ": a sparse value is for row ", at, " of ", accessor.count));
+    }
+    std::copy_n(values.data + i * values.stride, row,
+                dense->data() + static_cast<std::int64_t>(at) * row);
+  }
+  accessor.data = dense->data();
+  accessor.stride = row;
+  accessor.storage = std::move(dense);
+  return absl::OkStatus();
+}
+
 absl::StatusOr<GltfAccessor> GltfDocument::Accessor(std::int64_t index) const {
   CCST_ASSIGN_OR_RETURN(const Json* const json, Element("accessors", index));
   const std::string where = absl::StrCat("accessor ", index);
-  if (json->contains("sparse")) return Unreadable(where + " is sparse, which is not supported");
-  CCST_ASSIGN_OR_RETURN(const std::int64_t view_index, GltfInteger(*json, "bufferView", -1));
-  if (view_index < 0) return Unreadable(where + " has no buffer view");
-  CCST_ASSIGN_OR_RETURN(const std::string_view view, BufferView(view_index));
+  CCST_ASSIGN_OR_RETURN(const std::int64_t view, GltfInteger(*json, "bufferView", -1));
   CCST_ASSIGN_OR_RETURN(const std::int64_t offset, GltfInteger(*json, "byteOffset", 0));
   CCST_ASSIGN_OR_RETURN(const std::int64_t type, GltfInteger(*json, "componentType", 0));
   GltfAccessor accessor;
@@ -247,17 +350,22 @@ absl::StatusOr<GltfAccessor> GltfDocument::Accessor(std::int64_t index) const {
   accessor.normalized = json->value("normalized", false);
   const std::int64_t row = std::int64_t{ComponentBytes(type)} * accessor.components;
   if (row == 0) return Unreadable(where + " is of a type that is not known");
-  CCST_ASSIGN_OR_RETURN(const Json* const view_json, Element("bufferViews", view_index));
-  CCST_ASSIGN_OR_RETURN(accessor.stride, GltfInteger(*view_json, "byteStride", row));
-  const auto size = static_cast<std::int64_t>(view.size());
-  // In this order nothing overflows.
-  const bool fits = accessor.count > 0 && accessor.stride >= row && offset <= size - row &&
-                    accessor.count - 1 <= (size - row - offset) / accessor.stride;
-  if (!fits) {
-    return Unreadable(absl::StrCat(where, ": ", accessor.count, " rows of ", row,
-                                   " bytes do not fit its buffer view of ", size, " bytes"));
+  if (view >= 0) {
+    CCST_ASSIGN_OR_RETURN(const std::string_view bytes, BufferView(view));
+    CCST_ASSIGN_OR_RETURN(const Json* const view_json, Element("bufferViews", view));
+    CCST_ASSIGN_OR_RETURN(accessor.stride, GltfInteger(*view_json, "byteStride", row));
+    CCST_RETURN_IF_ERROR(LayOut(bytes, offset, where, accessor));
+  } else {
+    // All rows are the same zeros; only the count has to be held against something.
+    static constexpr std::array<char, 16> kZeros = {};
+    if (accessor.count <= 0 || accessor.count > max_decoded_bytes_ / row) {
+      return Unreadable(absl::StrCat(where, " has ", accessor.count, " rows and no buffer view"));
+    }
+    accessor.data = kZeros.data();
+    accessor.stride = 0;
   }
-  accessor.data = view.data() + offset;
+  const auto sparse = json->find("sparse");
+  if (sparse != json->end()) CCST_RETURN_IF_ERROR(PutSparse(*sparse, where, accessor));
   return accessor;
 }
 

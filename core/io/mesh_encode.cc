@@ -57,11 +57,11 @@ std::string EncodePly(const TriangleMesh& mesh) {
   io::AppendPlyProperties(out, columns);
   absl::StrAppend(&out, "element face ", mesh.faces.size(),
                   "\nproperty list uchar int vertex_indices\nend_header\n");
-  out.reserve(out.size() + (24 + io::PlyBytes(columns)) * mesh.positions.size() +
+  out.reserve(out.size() + (24 + io::BytesOf(columns)) * mesh.positions.size() +
               13 * mesh.faces.size());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     for (const double coordinate : mesh.positions[i]) io::AppendLittleEndian(out, coordinate);
-    io::AppendPlyValues(out, columns, i);
+    io::AppendValues(out, columns, i);
   }
   for (const Eigen::Vector3i& face : mesh.faces) {
     out += '\x03';

@@ -5,10 +5,12 @@
 #include <string>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
 #include "core/io/atomic_file.h"
 #include "core/io/draco_mesh.h"
+#include "core/io/gzip.h"
 #include "core/io/io_errors.h"
 #include "core/io/mesh_readers.h"
 #include "core/io/numbers.h"
@@ -45,6 +47,14 @@ absl::StatusOr<MeshFile> Read(std::string_view bytes, MeshFormat format, const M
         absl::StrCat(bytes.size(), " bytes; at most ", limits.max_bytes, " are accepted"));
   }
   if (bytes.empty()) return io::Empty("the file is empty");
+  std::string inflated;
+  if (io::IsGzip(bytes)) {
+    CCST_ASSIGN_OR_RETURN(inflated, io::DecompressGzip(bytes, limits.max_bytes));
+    bytes = inflated;
+  }
+  // Some editors put a byte order mark before text.
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
   switch (format) {
     case MeshFormat::kObj:
       return io::ReadObj(bytes, limits);
@@ -58,7 +68,7 @@ absl::StatusOr<MeshFile> Read(std::string_view bytes, MeshFormat format, const M
       return io::ReadGltf(bytes, limits, folder);
     case MeshFormat::kDraco: {
       CCST_ASSIGN_OR_RETURN(TriangleMesh mesh, DecodeDraco(bytes, limits));
-      return MeshFile{.mesh = std::move(mesh), .face_source = {}};
+      return MeshFile{.mesh = std::move(mesh), .face_source = {}, .report = {}};
     }
   }
   return io::Unreadable("unknown mesh format");
@@ -67,6 +77,9 @@ absl::StatusOr<MeshFile> Read(std::string_view bytes, MeshFormat format, const M
 }  // namespace
 
 std::optional<MeshFormat> MeshFormatFromPath(std::string_view path) {
+  constexpr absl::string_view kCompressed = ".gz";
+  if (absl::EndsWithIgnoreCase(absl::string_view(path.data(), path.size()), kCompressed))
+    path.remove_suffix(kCompressed.size());
   return io::FindByExtension(path, kFormats);
 }
 
@@ -82,8 +95,10 @@ absl::StatusOr<MeshFile> ReadMesh(std::string_view bytes, MeshFormat format,
 absl::StatusOr<MeshFile> ReadMeshFile(const std::string& path, const MeshLimits& limits) {
   const auto format = MeshFormatFromPath(path);
   if (!format.has_value()) {
-    return io::Unreadable(absl::StrCat(
-        path, ": cannot tell the format; known are .obj .ply .stl .off .glb .gltf .drc"));
+    return io::Unreadable(
+        absl::StrCat(path,
+                     ": cannot tell the format; known are .obj .ply .stl .off .glb .gltf .drc, "
+                     "also with .gz behind"));
   }
   CCST_ASSIGN_OR_RETURN(const std::string bytes, io::ReadWholeFile(path, limits.max_bytes));
   const std::string folder = std::filesystem::path(path).parent_path().string();

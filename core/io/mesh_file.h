@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/io/mesh_limits.h"
@@ -19,29 +21,40 @@ enum class MeshFormat { kObj, kPly, kStl, kOff, kGltf, kDraco };
 /// Formats that can be written; glTF as binary.
 enum class MeshOutputFormat { kObj, kPly, kStl, kOff, kDraco, kGlb };
 
+/// What a reader did not take from a file as it stood. Nothing of it keeps a mesh from being read.
+struct ReadReport {
+  std::int64_t faces_skipped = 0;           ///< Faces with fewer than three corners.
+  std::int64_t polygons_self_crossing = 0;  ///< Cut as well as could be.
+  std::int64_t vertices_not_finite = 0;     ///< No face uses them; they lie at one that is used.
+  std::vector<std::string> ignored = {};    ///< For people, for example "2 morph targets".
+};
+
 /// A mesh as a file holds it. Every index of `mesh` is in range and every coordinate finite;
 /// there is at least one face. Nothing else is checked.
 struct MeshFile {
   /// V x 3 positions, F x 3 indices. Vertices keep the file's order; polygons are cut into
-  /// fans around their first corner, in the file's order. Vertices of STL, which shares none,
-  /// are those with bitwise equal coordinates, in order of first use.
+  /// triangles (PolygonCutter) in the file's order. Vertices of STL, which shares none, are those
+  /// with bitwise equal coordinates, in order of first use.
   TriangleMesh mesh;
-  /// F: the file's own face each triangle was cut from. Empty when all of them were triangles,
-  /// that is when triangle i is face i.
+  /// F: the file's own face each triangle was cut from. Empty when triangle i is face i.
   std::vector<std::int32_t> face_source;
+  /// F x 3: which corners of its face, counted from 0, each triangle has. Empty when all faces are
+  /// cut as fans: the i-th triangle of each then has the corners 0, i + 1 and i + 2.
+  std::vector<Eigen::Vector3i> face_corners = {};
+  ReadReport report = {};
 };
 
 /// Format by the path's extension, in any case; empty when it is none of .obj .ply .stl .off
-/// .glb .gltf .drc.
+/// .glb .gltf .drc, each of which may have .gz behind it.
 std::optional<MeshFormat> MeshFormatFromPath(std::string_view path);
 
 /// Format by the path's extension, in any case; empty when it is none of .obj .ply .stl .off
 /// .drc .glb.
 std::optional<MeshOutputFormat> MeshOutputFormatFromPath(std::string_view path);
 
-/// Parses a whole file; of glTF, one that needs no other files. Numbers do not depend on the
-/// locale. Cost O(bytes), memory bounded by a constant times the bytes given (for Draco see
-/// DecodeDraco).
+/// Parses a whole file, or one compressed by gzip; of glTF, one that needs no other files. Numbers
+/// do not depend on the locale. Cost O(bytes), memory bounded by a constant times the bytes given,
+/// once they are decompressed, which gives at most `limits.max_bytes` (for Draco see DecodeDraco).
 /// @errors INVALID_ARGUMENT  MESH_UNREADABLE | DRACO_DECODE_FAILED (says the line or the byte),
 ///                           MESH_EMPTY (no face), MESH_DEGENERATE (names the first index out of
 ///                           range or coordinate that is not finite), LIMIT_EXCEEDED

@@ -90,6 +90,13 @@ class ObjReader {
       }
     }
     if (!colors_.empty()) {
+      // Nothing says whether they are fractions or bytes; fractions end at 1.
+      const float divisor =
+          *std::max_element(colors_.begin(), colors_.end()) > 1.0f ? 255.0f : 1.0f;
+      for (float& value : colors_) value /= divisor;
+      for (const std::int64_t vertex : colorless_) {
+        std::fill_n(colors_.begin() + 3 * vertex, 3, 1.0f);
+      }
       colors_.resize(static_cast<std::size_t>(3 * builder_.vertices()), 1.0f);
       builder_.AddAttribute({.name = "color",
                              .kind = AttributeKind::kColor,
@@ -106,7 +113,10 @@ class ObjReader {
     // A fourth number alone is the weight of a rational curve; three are a colour.
     std::array<double, 3> color = {};
     if (ReadNumbers<3>(cursor_, color) == 3) {
-      colors_.resize(static_cast<std::size_t>(3 * builder_.vertices()), 1.0f);
+      for (auto v = static_cast<std::int64_t>(colors_.size() / 3); v < builder_.vertices(); ++v) {
+        colorless_.push_back(v);
+      }
+      colors_.resize(static_cast<std::size_t>(3 * builder_.vertices()), 0.0f);
       for (const double value : color) colors_.push_back(static_cast<float>(value));
     }
     return builder_.AddVertex(position, [this] { return cursor_.Where(); });
@@ -163,6 +173,7 @@ class ObjReader {
   TextCursor cursor_;
   MeshBuilder builder_;
   std::vector<float> colors_;                 // Three a vertex, up to the last that has them.
+  std::vector<std::int64_t> colorless_;       // Vertices before the last with a colour.
   std::vector<Eigen::Vector2f> texture_;      // As the file lists them.
   std::vector<std::int64_t> corner_texture_;  // Three a triangle, into texture_; -1 for none.
   std::vector<std::int64_t> corners_;         // Of the face being read.

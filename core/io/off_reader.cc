@@ -10,6 +10,7 @@
 #include "core/io/mesh_builder.h"
 #include "core/io/mesh_readers.h"
 #include "core/io/numbers.h"
+#include "core/io/off_binary_reader.h"
 #include "core/io/text_cursor.h"
 
 namespace ccst::io {
@@ -143,7 +144,12 @@ absl::StatusOr<MeshFile> ReadOff(std::string_view text, const MeshLimits& limits
   std::string_view first_count = keyword.first_count;
   if (first_count.empty()) first_count = cursor.Token();
   if (first_count == "BINARY") {
-    return Unreadable("binary OFF is not supported; save it as text or as PLY");
+    cursor.SkipLine();
+    return ReadBinaryOff(text.substr(cursor.position()),
+                         {.has_normal = keyword.has_normal,
+                          .has_color = keyword.has_color,
+                          .has_texture = keyword.has_texture},
+                         limits);
   }
   CCST_ASSIGN_OR_RETURN(const std::int64_t vertices, ToCount(first_count, cursor, "vertices"));
   CCST_ASSIGN_OR_RETURN(const std::int64_t faces, ToCount(cursor.Token(), cursor, "faces"));

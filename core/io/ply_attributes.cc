@@ -82,11 +82,12 @@ class Finder {
       if (property.is_list || is_normal || layout_.columns[p].use != PlyColumn::Use::kNone) {
         continue;
       }
-      Add({p}, AttributeKind::kScalar, property.name);
+      Add({p}, PlyTypeIsInteger(property.type) ? AttributeKind::kLabel : AttributeKind::kScalar,
+          property.name);
     }
   }
 
-  PlyVertexLayout& layout() { return layout_; }
+  PlyLayout& layout() { return layout_; }
 
  private:
   void Add(const std::vector<std::size_t>& columns, AttributeKind kind, const std::string& name) {
@@ -103,16 +104,10 @@ class Finder {
   }
 
   const std::vector<PlyProperty>& properties_;
-  PlyVertexLayout layout_;
+  PlyLayout layout_;
 };
 
-}  // namespace
-
-absl::StatusOr<PlyVertexLayout> LayOutPlyVertices(const PlyElement& element) {
-  Finder finder(element);
-  if (!finder.TakePosition()) {
-    return Unreadable("element 'vertex' needs the properties x, y and z");
-  }
+absl::StatusOr<PlyLayout> TakeAttributes(Finder& finder, std::size_t taken, const char* what) {
   for (const Names& names : {Names{"red", "green", "blue", "alpha"},
                              Names{"diffuse_red", "diffuse_green", "diffuse_blue"}}) {
     if (finder.Take(names, 3, AttributeKind::kColor)) break;
@@ -121,11 +116,29 @@ absl::StatusOr<PlyVertexLayout> LayOutPlyVertices(const PlyElement& element) {
     if (finder.Take(names, 2, AttributeKind::kTextureCoordinates)) break;
   }
   finder.TakeScalars();
-  if (finder.layout().attributes.size() > kMaxAttributes) {
-    return OverLimit(absl::StrCat("the vertices have ", finder.layout().attributes.size(),
-                                  " attributes; at most ", kMaxAttributes, " are accepted"));
+  if (finder.layout().attributes.size() + taken > kMaxAttributes) {
+    return OverLimit(absl::StrCat("the ", what, " have ", finder.layout().attributes.size(),
+                                  " attributes; at most ", kMaxAttributes,
+                                  " are accepted of vertices and faces together"));
   }
   return std::move(finder.layout());
+}
+
+}  // namespace
+
+absl::StatusOr<PlyLayout> LayOutPlyVertices(const PlyElement& element) {
+  Finder finder(element);
+  if (!finder.TakePosition()) {
+    return Unreadable("element 'vertex' needs the properties x, y and z");
+  }
+  return TakeAttributes(finder, 0, "vertices");
+}
+
+absl::StatusOr<PlyLayout> LayOutPlyFaces(const PlyElement& element, std::size_t taken) {
+  Finder finder(element);
+  CCST_ASSIGN_OR_RETURN(PlyLayout layout, TakeAttributes(finder, taken, "faces"));
+  for (Attribute& attribute : layout.attributes) attribute.per_corner = true;
+  return layout;
 }
 
 bool IsPlyCornerList(const PlyProperty& property) {

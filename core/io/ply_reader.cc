@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -42,6 +43,8 @@ class PlyDataReader {
         builder_.SetVertexCount(builder_.vertices());
       } else if (element.name == "face") {
         CCST_RETURN_IF_ERROR(ReadFaces(element));
+      } else if (element.name == "tristrips") {
+        CCST_RETURN_IF_ERROR(ReadStrips(element));
       } else {
         CCST_RETURN_IF_ERROR(SkipElement(element));
       }
@@ -50,6 +53,11 @@ class PlyDataReader {
     if (!corner_uv_.empty()) {
       PadCornerUv();
       builder_.AddCornerTexture(corner_uv_);
+    }
+    for (Attribute& attribute : face_layout_.attributes) {
+      attribute.values.resize(builder_.corners() * static_cast<std::size_t>(attribute.components),
+                              attribute.kind == AttributeKind::kColor ? 1.0f : 0.0f);
+      builder_.AddAttribute(std::move(attribute));
     }
     return std::move(builder_).Finish(
         [](std::int64_t) { return std::string("in the 'face' element"); });
@@ -62,9 +70,6 @@ class PlyDataReader {
     for (const PlyElement& element : header.elements) {
       if (element.name == "vertex") vertices = element.count;
       if (element.name == "face") faces = element.count;
-      if (element.name == "tristrips" && element.count > 0) {
-        return Unreadable("triangle strips are not supported; save the mesh with faces");
-      }
     }
     // The shortest records there can be: three one-byte values; a count and three of them.
     return builder_.Announce(vertices, faces, static_cast<std::int64_t>(values_.remaining()), 3, 4);
@@ -176,6 +181,13 @@ class PlyDataReader {
     }
     const auto texture_property =
         std::find_if(element.properties.begin(), element.properties.end(), IsPlyTextureList);
+    CCST_ASSIGN_OR_RETURN(face_layout_, LayOutPlyFaces(element, layout_.attributes.size()));
+    // Faces of an element before have none of these values.
+    for (Attribute& attribute : face_layout_.attributes) {
+      attribute.values.resize(builder_.corners() * static_cast<std::size_t>(attribute.components),
+                              attribute.kind == AttributeKind::kColor ? 1.0f : 0.0f);
+    }
+    std::vector<double> numbers(element.properties.size());
     const auto where = [this] { return values_.Where(); };
     const auto read_integer = [this](PlyType type) { return values_.ReadInteger(type); };
     const auto read_number = [this](PlyType type) { return values_.ReadNumber(type); };
@@ -188,14 +200,66 @@ class PlyDataReader {
           CCST_RETURN_IF_ERROR(ReadList(element, i, *property, read_integer, corners));
         } else if (property == texture_property) {
           CCST_RETURN_IF_ERROR(ReadList(element, i, *property, read_number, texture));
+        } else if (const auto p = property - element.properties.begin();
+                   face_layout_.columns[static_cast<std::size_t>(p)].use != PlyColumn::Use::kNone) {
+          const auto value = values_.ReadNumber(property->type);
+          if (!value.has_value()) return Broken(element, i, *property);
+          numbers[static_cast<std::size_t>(p)] = *value;
         } else {
           CCST_RETURN_IF_ERROR(SkipProperty(element, i, *property));
         }
       }
+      AddFaceValues(corners.size(), numbers);
       if (!texture.empty() && texture.size() == 2 * corners.size()) AddCornerUv(texture);
       CCST_RETURN_IF_ERROR(builder_.AddFace(corners, where));
     }
     return absl::OkStatus();
+  }
+
+  // Strips of triangles, of which every second one is turned over; -1 ends a strip. Each triangle
+  // counts as a face.
+  absl::Status ReadStrips(const PlyElement& element) {
+    const auto where = [this] { return values_.Where(); };
+    const auto read_integer = [this](PlyType type) { return values_.ReadInteger(type); };
+    std::vector<std::int64_t> strip;
+    for (std::int64_t i = 0; i < element.count; ++i) {
+      for (const PlyProperty& property : element.properties) {
+        if (!IsPlyCornerList(property)) {
+          CCST_RETURN_IF_ERROR(SkipProperty(element, i, property));
+          continue;
+        }
+        CCST_RETURN_IF_ERROR(ReadList(element, i, property, read_integer, strip));
+        std::size_t length = 0;  // Of the strip so far.
+        for (std::size_t k = 0; k < strip.size(); ++k) {
+          length = strip[k] == -1 ? 0 : length + 1;
+          if (length < 3) continue;
+          const bool is_turned = length % 2 == 0;
+          const std::array<std::int64_t, 3> corners = {strip[is_turned ? k - 1 : k - 2],
+                                                       strip[is_turned ? k - 2 : k - 1], strip[k]};
+          CCST_RETURN_IF_ERROR(builder_.AddFace(corners, where));
+        }
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  // Gives every corner of the face that is about to be added the face's values.
+  void AddFaceValues(std::size_t corners, const std::vector<double>& numbers) {
+    const std::size_t rows = corners < 3 ? 0 : 3 * (corners - 2);
+    for (Attribute& attribute : face_layout_.attributes) {
+      std::array<float, 4> row = {};
+      const auto index = static_cast<std::size_t>(&attribute - face_layout_.attributes.data());
+      for (std::size_t p = 0; p < numbers.size(); ++p) {
+        const PlyColumn& column = face_layout_.columns[p];
+        if (column.use != PlyColumn::Use::kAttribute || column.attribute != index) continue;
+        row[static_cast<std::size_t>(column.component)] =
+            static_cast<float>(numbers[p] / column.divisor);
+      }
+      for (std::size_t i = 0; i < rows; ++i) {
+        attribute.values.insert(attribute.values.end(), row.begin(),
+                                row.begin() + attribute.components);
+      }
+    }
   }
 
   // Untextured faces, which have an empty list, get zeros.
@@ -213,7 +277,8 @@ class PlyDataReader {
 
   Values values_;
   MeshBuilder builder_;
-  PlyVertexLayout layout_;
+  PlyLayout layout_;
+  PlyLayout face_layout_;
   std::vector<Eigen::Vector2f> corner_uv_;
   std::vector<Eigen::Vector2f> polygon_uv_;
 };

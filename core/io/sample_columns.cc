@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -58,24 +59,33 @@ std::vector<SampleColumn> LayOutColumns(const std::vector<Attribute>& attributes
 
 void AppendPlyProperties(std::string& out, const std::vector<SampleColumn>& columns) {
   for (const SampleColumn& column : columns) {
-    absl::StrAppend(&out, "property ", column.is_color() ? "uchar " : "float ", column.name, "\n");
+    absl::StrAppend(&out, "property ", NamesOf(column.type()).ply, " ", column.name, "\n");
   }
 }
 
-std::size_t PlyBytes(const std::vector<SampleColumn>& columns) {
+std::size_t BytesOf(const std::vector<SampleColumn>& columns) {
   std::size_t bytes = 0;
-  for (const SampleColumn& column : columns) bytes += column.is_color() ? 1 : sizeof(float);
+  for (const SampleColumn& column : columns) bytes += NamesOf(column.type()).bytes;
   return bytes;
 }
 
-void AppendPlyValues(std::string& out, const std::vector<SampleColumn>& columns, std::size_t i) {
+void AppendValues(std::string& out, const std::vector<SampleColumn>& columns, std::size_t i) {
   for (const SampleColumn& column : columns) {
-    if (column.is_color()) {
+    if (column.type() == NumberType::kUint8) {
       AppendLittleEndian(out, ToByte(column.Value(i)));
+    } else if (column.type() == NumberType::kInt32) {
+      AppendLittleEndian(out, ToWhole(column.Value(i)));
     } else {
       AppendLittleEndian(out, column.Value(i));
     }
   }
+}
+
+std::int32_t ToWhole(float label) {
+  if (std::isnan(label)) return 0;
+  constexpr double kLowest = std::numeric_limits<std::int32_t>::min();
+  constexpr double kHighest = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(std::clamp(std::round(double{label}), kLowest, kHighest));
 }
 
 std::uint8_t ToByte(float fraction) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/number_type.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace ccst::io {
@@ -16,7 +17,11 @@ struct SampleColumn {
   const Attribute* attribute = nullptr;
   std::size_t component = 0;
 
-  bool is_color() const { return attribute->kind == AttributeKind::kColor; }
+  /// In binary files: colours are bytes, labels are whole, all else is a float.
+  NumberType type() const {
+    if (attribute->kind == AttributeKind::kColor) return NumberType::kUint8;
+    return attribute->kind == AttributeKind::kLabel ? NumberType::kInt32 : NumberType::kFloat;
+  }
   /// Of the i-th sample or vertex.
   float Value(std::size_t i) const {
     return attribute->values[i * static_cast<std::size_t>(attribute->components) + component];
@@ -30,11 +35,15 @@ struct SampleColumn {
 std::vector<SampleColumn> LayOutColumns(const std::vector<Attribute>& attributes,
                                         std::set<std::string> taken);
 
-/// The columns in a binary PLY, colours as uchar, all else as float: the lines of the header, the
-/// size of a row, and the i-th row.
+/// Appends what the columns hold of the i-th sample or vertex, each in its type.
+void AppendValues(std::string& out, const std::vector<SampleColumn>& columns, std::size_t i);
+/// Bytes of such a row.
+std::size_t BytesOf(const std::vector<SampleColumn>& columns);
+/// The columns' lines in the header of a PLY.
 void AppendPlyProperties(std::string& out, const std::vector<SampleColumn>& columns);
-std::size_t PlyBytes(const std::vector<SampleColumn>& columns);
-void AppendPlyValues(std::string& out, const std::vector<SampleColumn>& columns, std::size_t i);
+
+/// A label as a whole number: 0 for what is no number, clamped to 32 bits otherwise.
+std::int32_t ToWhole(float label);
 
 /// A fraction as a byte: 0 for what is no number, clamped otherwise.
 std::uint8_t ToByte(float fraction);

@@ -3,9 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "core/base/status.h"
 #include "core/io/atomic_file.h"
 #include "core/io/draco_cloud.h"
@@ -13,54 +15,45 @@
 #include "core/io/numbers.h"
 #include "core/io/obj_writer.h"
 #include "core/io/path_extension.h"
+#include "core/io/sample_arrays.h"
+#include "core/io/sample_clouds.h"
 #include "core/io/sample_columns.h"
+#include "core/io/sample_rows.h"
 
 namespace ccst {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, SampleFormat>, 5> kFormats = {{
+constexpr std::array<std::pair<std::string_view, SampleFormat>, 9> kFormats = {{
     {".ply", SampleFormat::kPly},
     {".csv", SampleFormat::kCsv},
     {".xyz", SampleFormat::kXyz},
     {".obj", SampleFormat::kObj},
     {".drc", SampleFormat::kDraco},
+    {".npy", SampleFormat::kNpy},
+    {".npz", SampleFormat::kNpz},
+    {".pcd", SampleFormat::kPcd},
+    {".vtp", SampleFormat::kVtp},
 }};
 
 absl::Status Refuse(const std::string& message) {
   return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kOptionInvalid, message);
 }
 
-std::vector<io::SampleColumn> Columns(const SampleSet& samples) {
-  return io::LayOutColumns(samples.attributes,
-                           {"x", "y", "z", "nx", "ny", "nz", "face", "bary_u", "bary_v"});
-}
-
 std::string EncodePly(const SampleSet& samples) {
-  const std::size_t count = samples.positions.size();
-  std::string out =
-      absl::StrCat("ply\nformat binary_little_endian 1.0\nelement vertex ", count,
-                   "\nproperty double x\nproperty double y\nproperty double z\n"
-                   "property float nx\nproperty float ny\nproperty float nz\nproperty int face\n"
-                   "property double bary_u\nproperty double bary_v\n");
-  const std::vector<io::SampleColumn> columns = Columns(samples);
-  io::AppendPlyProperties(out, columns);
-  out += "end_header\n";
-  out.reserve(out.size() + (3 * 8 + 3 * 4 + 4 + 2 * 8 + io::PlyBytes(columns)) * count);
-  for (std::size_t i = 0; i < count; ++i) {
-    for (const double value : samples.positions[i]) io::AppendLittleEndian(out, value);
-    for (const double value : samples.normals[i]) {
-      io::AppendLittleEndian(out, static_cast<float>(value));
-    }
-    io::AppendLittleEndian(out, samples.faces[i]);
-    for (const double value : samples.barycentrics[i]) io::AppendLittleEndian(out, value);
-    io::AppendPlyValues(out, columns, i);
+  io::SampleRows rows = io::ToRows(samples);
+  std::string header = absl::StrCat("ply\nformat binary_little_endian 1.0\nelement vertex ",
+                                    samples.positions.size(), "\n");
+  for (const io::RowField& field : rows.fields) {
+    absl::StrAppend(&header, "property ", io::NamesOf(field.type).ply, " ", field.name, "\n");
   }
-  return out;
+  return std::move(rows.bytes.insert(0, header + "end_header\n"));
 }
 
 std::string EncodeCsv(const SampleSet& samples) {
-  const std::vector<io::SampleColumn> columns = Columns(samples);
-  std::string out = "x,y,z,nx,ny,nz,face,bary_u,bary_v";
+  const std::vector<std::string> names = io::OwnFieldNames(samples);
+  const std::vector<io::SampleColumn> columns =
+      io::LayOutColumns(samples.attributes, std::set<std::string>(names.begin(), names.end()));
+  std::string out = absl::StrJoin(names, ",");
   for (const io::SampleColumn& column : columns) absl::StrAppend(&out, ",", column.name);
   out += '\n';
   for (std::size_t i = 0; i < samples.positions.size(); ++i) {
@@ -76,6 +69,9 @@ std::string EncodeCsv(const SampleSet& samples) {
     for (const double value : samples.barycentrics[i]) {
       out += ',';
       io::AppendDouble(out, value);
+    }
+    if (!samples.face_corners.empty()) {
+      for (const int corner : samples.face_corners[i]) absl::StrAppend(&out, ",", corner);
     }
     for (const io::SampleColumn& column : columns) {
       out += ',';
@@ -97,17 +93,22 @@ std::string EncodeXyz(const SampleSet& samples) {
   return out;
 }
 
+absl::Status CheckFloats(const SampleSet& samples) {
+  for (std::size_t i = 0; i < samples.positions.size(); ++i) {
+    if (samples.positions[i].cast<float>().allFinite()) continue;
+    return Refuse(absl::StrCat("sample ", i, " has a coordinate that is no finite 32-bit float; ",
+                               "write another format"));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::string> EncodeDracoSamples(const SampleSet& samples) {
   const std::size_t count = samples.positions.size();
   if (count == 0) return Refuse("there are no samples; a Draco point cloud needs one");
   if (count > std::numeric_limits<std::int32_t>::max()) {
     return Refuse(absl::StrCat(count, " samples; Draco counts to 2147483647"));
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (samples.positions[i].cast<float>().allFinite()) continue;
-    return Refuse(absl::StrCat("sample ", i, " has a coordinate that is no finite 32-bit float; ",
-                               "write another format"));
-  }
+  CCST_RETURN_IF_ERROR(CheckFloats(samples));
   return io::EncodeDracoCloud(samples.positions, samples.normals, samples.attributes);
 }
 
@@ -124,6 +125,10 @@ absl::StatusOr<std::string> EncodeSamples(const SampleSet& samples, SampleFormat
     return Refuse(absl::StrCat(count, " positions, ", samples.normals.size(), " normals, ",
                                samples.faces.size(), " faces and ", samples.barycentrics.size(),
                                " barycentrics; there must be as many of each"));
+  }
+  if (!samples.face_corners.empty() && samples.face_corners.size() != count) {
+    return Refuse(
+        absl::StrCat(samples.face_corners.size(), " rows of face corners for ", count, " samples"));
   }
   for (const Attribute& attribute : samples.attributes) {
     if (!attribute.per_corner && attribute.components >= 1 && attribute.components <= 4 &&
@@ -145,6 +150,15 @@ absl::StatusOr<std::string> EncodeSamples(const SampleSet& samples, SampleFormat
       return io::EncodeObj(samples.positions, {}, samples.attributes);
     case SampleFormat::kDraco:
       return EncodeDracoSamples(samples);
+    case SampleFormat::kNpy:
+      return io::EncodeNpy(samples);
+    case SampleFormat::kNpz:
+      return io::EncodeNpz(samples);
+    case SampleFormat::kPcd:
+      CCST_RETURN_IF_ERROR(CheckFloats(samples));
+      return io::EncodePcd(samples);
+    case SampleFormat::kVtp:
+      return io::EncodeVtp(samples);
   }
   return Refuse("unknown sample format");
 }
@@ -153,10 +167,9 @@ absl::Status WriteSamplesFile(const SampleSet& samples, const std::string& path,
                               std::optional<SampleFormat> format) {
   if (!format.has_value()) format = SampleFormatFromPath(path);
   if (!format.has_value()) {
-    return Refuse(path == "-" ? std::string("standard output needs a format: ply, csv, xyz, obj "
-                                            "or drc")
-                              : absl::StrCat(path, ": cannot tell the format; known are .ply ",
-                                             ".csv .xyz .obj .drc"));
+    return Refuse(path == "-" ? std::string("standard output needs a format")
+                              : absl::StrCat(path, ": cannot tell the format; known are ",
+                                             kSampleExtensions));
   }
   const auto bytes = EncodeSamples(samples, *format);
   if (!bytes.ok()) return io::WithPrefix(bytes.status(), path + ": ");

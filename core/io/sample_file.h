@@ -17,20 +17,28 @@ namespace ccst {
 /// holds the first colours and texture coordinates, see EncodeObj(), Draco all, see
 /// EncodeDracoCloud().
 enum class SampleFormat {
-  kPly,    ///< Binary little endian: double x y z, float nx ny nz, int face, double bary_u bary_v.
+  kPly,    ///< Binary little endian: double x y z, float nx ny nz, int face, double bary_u bary_v;
+           ///< int corner_0 corner_1 corner_2 where there are face corners.
   kCsv,    ///< The same columns with a header line; text round-trips doubles and floats.
   kXyz,    ///< `x y z` a line; text round-trips the doubles.
   kObj,    ///< `v x y z [r g b]` a line, then `vt s t`; text round-trips the doubles.
   kDraco,  ///< A point cloud of 32-bit floats, positions and normals, in order.
+  kNpy,    ///< NumPy's structured array with the columns of PLY, see EncodeNpy().
+  kNpz,    ///< NumPy's arrays, triangles among them, see EncodeNpz().
+  kPcd,    ///< Binary PCD with coordinates as 32-bit floats, see EncodePcd().
+  kVtp,    ///< VTK's PolyData with the triangles, see EncodeVtp().
 };
 
-/// Format by the path's extension, in any case; empty when it is none of .ply .csv .xyz .obj
-/// .drc.
+/// Extensions of SampleFormat, as messages and help name them.
+inline constexpr char kSampleExtensions[] = ".ply .csv .xyz .obj .drc .npy .npz .pcd .vtp";
+
+/// Format by the path's extension, in any case; empty when it is none of kSampleExtensions.
 std::optional<SampleFormat> SampleFormatFromPath(std::string_view path);
 
 /// The bytes of a sample file. Cost O(n).
-/// @errors INVALID_ARGUMENT  arrays of unequal length; for Draco no samples or a position that is
-///                           no finite float
+/// @errors INVALID_ARGUMENT  arrays of unequal length; for Draco no samples, for Draco and PCD a
+///                           position that is no finite float
+///         RESOURCE_EXHAUSTED  OUT_OF_MEMORY for .npz
 absl::StatusOr<std::string> EncodeSamples(const SampleSet& samples, SampleFormat format);
 
 /// Writes the samples, atomically (see WriteFileAtomically), in `format` or, without one, in

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/base/assert.h"
 #include "core/base/sha256.h"
 #include "core/io/numbers.h"
 
@@ -40,6 +41,7 @@ class Layout {
 }  // namespace
 
 std::string SamplesDigest(const SampleSet& samples) {
+  CCST_ASSERT(samples.faces.size() == samples.barycentrics.size());
   constexpr std::string_view kMagic("ccst-samples-1\0", 15);
   Layout layout;
   layout.Add(kMagic);

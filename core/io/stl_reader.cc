@@ -48,15 +48,18 @@ class VertexMerger {
 };
 
 absl::StatusOr<MeshFile> ReadBinary(std::string_view bytes, const MeshLimits& limits) {
-  const auto facets = LoadBytes<std::uint32_t>(bytes.data() + kHeaderBytes, std::endian::little);
-  const std::size_t room = (bytes.size() - kPreambleBytes) / kFacetBytes;
+  std::size_t facets = LoadBytes<std::uint32_t>(bytes.data() + kHeaderBytes, std::endian::little);
+  const std::size_t body = bytes.size() - kPreambleBytes;
+  const std::size_t room = body / kFacetBytes;
+  // Programs that write while they go, and never come back to fill in the count, leave 0.
+  if (facets == 0 && body % kFacetBytes == 0) facets = room;
   if (facets > room) {
     return Unreadable(absl::StrCat("byte ", kHeaderBytes, ": announces ", facets,
                                    " facets, but the file ends after ", room));
   }
   MeshBuilder builder(limits);
-  CCST_RETURN_IF_ERROR(
-      builder.Announce(0, facets, static_cast<std::int64_t>(bytes.size()), 1, kFacetBytes));
+  CCST_RETURN_IF_ERROR(builder.Announce(0, static_cast<std::int64_t>(facets),
+                                        static_cast<std::int64_t>(bytes.size()), 1, kFacetBytes));
   VertexMerger merger(builder);
   std::array<std::int64_t, 3> corners;
   for (std::size_t i = 0; i < facets; ++i) {
@@ -102,10 +105,8 @@ absl::StatusOr<MeshFile> ReadText(std::string_view text, const MeshLimits& limit
   VertexMerger merger(builder);
   TextCursor cursor(text, {});
   const auto where = [&cursor] { return cursor.Where(); };
-  bool in_solid = false;
   for (std::string_view token = cursor.Token(); !token.empty(); token = cursor.Token()) {
     if (EqualsIgnoringCase(token, "solid") || EqualsIgnoringCase(token, "endsolid")) {
-      in_solid = EqualsIgnoringCase(token, "solid");
       cursor.SkipLine();  // A name, of any words.
       continue;
     }
@@ -128,9 +129,7 @@ absl::StatusOr<MeshFile> ReadText(std::string_view text, const MeshLimits& limit
     CCST_RETURN_IF_ERROR(Expect(cursor, "endfacet"));
     CCST_RETURN_IF_ERROR(builder.AddFace(corners, where));
   }
-  if (in_solid) {
-    return Unreadable(absl::StrCat(cursor.Where(), ": the file ends before 'endsolid'"));
-  }
+  // A missing `endsolid` takes no facet away: one that is cut off was refused above.
   return std::move(builder).Finish();
 }
 

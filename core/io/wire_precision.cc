@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/base/portable_math.h"
 #include "core/base/status.h"
 #include "core/io/draco_mesh.h"
 #include "core/io/draco_points.h"
@@ -29,7 +30,7 @@ Eigen::Vector3d ChooseOrigin(const TriangleMesh& mesh) {
   if (!(diagonal > 0.0) || !std::isfinite(diagonal)) return origin;
   // A multiple of a power of two near the diagonal: subtracting it from a float of this size
   // leaves a float, so that nothing is rounded that was not before.
-  const double step = std::exp2(std::ceil(std::log2(diagonal)));
+  const double step = std::ldexp(1.0, CeilLog2(diagonal));
   for (int axis = 0; axis < 3; ++axis) {
     const double farthest = std::max(std::abs(box.min()[axis]), std::abs(box.max()[axis]));
     if (!(farthest > kNearDiagonals * diagonal)) continue;

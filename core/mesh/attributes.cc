@@ -1,11 +1,13 @@
 #include "core/mesh/attributes.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <set>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
 
 namespace ccst {
@@ -24,6 +26,8 @@ const char* DefaultName(AttributeKind kind) {
       return "color";
     case AttributeKind::kTextureCoordinates:
       return "uv";
+    case AttributeKind::kLabel:
+      return "label";
     case AttributeKind::kScalar:
       break;
   }
@@ -58,7 +62,8 @@ std::size_t AttributeRows(const TriangleMesh& mesh, const Attribute& attribute) 
 absl::Status CheckAttributes(const TriangleMesh& mesh) {
   constexpr int kMaxComponents = 4;
   if (mesh.attributes.size() > kMaxAttributes) {
-    return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kLimitExceeded,
+    return OverLimit({"max_attribute_count", static_cast<std::int64_t>(kMaxAttributes),
+                      static_cast<std::int64_t>(mesh.attributes.size())},
                      absl::StrCat("the mesh has ", mesh.attributes.size(), " attributes; at most ",
                                   kMaxAttributes, " are accepted"));
   }

@@ -13,14 +13,17 @@ enum class AttributeKind : std::uint8_t {
   kScalar,              ///< Anything: a quality, a temperature, a density.
   kColor,               ///< Red, green, blue and maybe alpha in [0, 1].
   kTextureCoordinates,  ///< u, v; (0, 0) is the lower left corner of the image.
+  kLabel,               ///< Whole numbers that name something, of which no average makes sense.
 };
 
 /// Values carried by the vertices or the corners of a mesh, or by samples.
 struct Attribute {
   std::string name;  ///< Unique in its mesh; see NameAttributes().
   AttributeKind kind = AttributeKind::kScalar;
-  int components = 1;       ///< K in [1, 4].
-  bool per_corner = false;  ///< Three rows a face instead of one a vertex; linear in between.
+  int components = 1;  ///< K in [1, 4].
+  /// Three rows a face instead of one a vertex. In between, labels are those of the nearest corner,
+  /// all else is linear.
+  bool per_corner = false;
   std::vector<float> values = {};  ///< Row major: V x K or 3 F x K; n x K for samples.
   std::int32_t id = -1;            ///< Draco's unique id, where a Draco stream gave one.
 };

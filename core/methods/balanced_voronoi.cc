@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/base/status.h"
+#include "core/base/limit_error.h"
 #include "core/methods/capacity_curve.h"
 #include "core/methods/methods.h"
 #include "core/methods/sides.h"
@@ -16,6 +16,9 @@ namespace {
 
 constexpr std::uint64_t kSiteStream = 0x63637674;     // "ccvt"
 constexpr std::uint64_t kPointStream = 0x6363767470;  // "ccvtp"
+
+/// Units of work, for an Interrupt, of looking for swaps between two sites.
+constexpr std::int64_t kSwapWork = 16;
 
 /// What one point would gain by going to the other site of a pair.
 struct Gain {
@@ -82,6 +85,7 @@ class Balance {
         }
       });
       for (const std::int32_t j : others_) {
+        if (interrupt->RequestedAfter(kSwapWork)) break;
         const std::int64_t swapped = SwapBetween(i, j);
         if (swapped > 0) changed_[i] = changed_[j] = step;
         swaps += swapped;
@@ -91,10 +95,11 @@ class Balance {
   }
 
   /// Moves every site to the centroid of its points unless that costs more; returns the longest
-  /// move.
-  double Move(int step) {
+  /// move. Once `interrupt` is requested the others stay.
+  double Move(int step, Interrupt* interrupt) {
     double longest = 0.0;
     for (std::size_t s = 0; s < sites_.size(); ++s) {
+      if (interrupt->RequestedAfter(kSwapWork)) break;
       if (changed_[s] < step - 1) continue;
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (std::int64_t e = Begin(s); e < Begin(s + 1); ++e) {
@@ -182,7 +187,7 @@ absl::StatusOr<RelaxedSamples> BalanceVoronoi(const Surface& surface, const Dens
                                               const BalanceOptions& options,
                                               const MethodControl& control) {
   if (count > kMaxBalancedCount) {
-    return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kLimitExceeded,
+    return OverLimit({"max_sample_count", kMaxBalancedCount, count},
                      absl::StrCat("capacity-constrained Voronoi tessellation takes at most ",
                                   kMaxBalancedCount, " samples; sample_count is ", count));
   }
@@ -191,21 +196,25 @@ absl::StatusOr<RelaxedSamples> BalanceVoronoi(const Surface& surface, const Dens
   start.reserve(count);
   ForEachStratum(density, curve, count, 1, CounterRandom(seed, kSiteStream), control.interrupt,
                  [&](const SurfacePoint& point) { start.push_back(point); });
+  Interrupt* const interrupt = control.interrupt;
+  if (interrupt->Requested()) return interrupt->Error("the first samples were drawn");
   const std::int64_t parts = options.points_per_sample;
   Balance balance(surface, HexagonalSpacing(surface, count), parts, std::move(start));
-  ForEachStratum(density, curve, count, parts, CounterRandom(seed, kPointStream), control.interrupt,
+  ForEachStratum(density, curve, count, parts, CounterRandom(seed, kPointStream), interrupt,
                  [&](const SurfacePoint& point) { balance.Add(point); });
-  if (control.interrupt->Requested()) {
-    return absl::CancelledError("stopped while the first regions were cut");
-  }
   RelaxedSamples result;
+  if (interrupt->Requested()) {
+    result.points = balance.sites();
+    return result;
+  }
   result.energy = balance.Energy();
   if (control.on_step) control.on_step({0, result.energy, 0.0, balance.sites()});
   while (!result.converged && result.steps < options.max_steps) {
     const int step = result.steps + 1;
-    const std::int64_t swaps = balance.Swap(step, control.interrupt);
-    if (control.interrupt->Requested()) break;
-    const double max_move = balance.Move(step);
+    const std::int64_t swaps = balance.Swap(step, interrupt);
+    if (interrupt->Requested()) break;
+    const double max_move = balance.Move(step, interrupt);
+    if (interrupt->Requested()) break;
     result.steps = step;
     result.energy = balance.Energy();
     result.converged = swaps == 0;

@@ -19,6 +19,8 @@ constexpr std::int64_t kMaxDarts = 10'000'000;
 /// Where maximal sets are about, in r_max; the search starts here.
 constexpr double kFirstRadius = 0.75;
 constexpr int kMaxRadii = 24;
+/// Points that are one unit of work of an Interrupt.
+constexpr std::int64_t kPointsAUnit = 256;
 /// The search ends when no more than this part of the samples, and one, would be dropped.
 constexpr double kMaxExcess = 0.002;
 
@@ -34,12 +36,15 @@ std::vector<std::int32_t> Throw(const Cloud& cloud, const Sides& sides, double r
     const std::int32_t i = cloud.draws[k];
     if (covered[i]) continue;
     accepted.push_back(i);
+    std::int64_t seen = 0;
     cloud.tree.ForEachWithin(
         cloud.positions[i], radius * cloud.spacings[i], [&](std::int32_t j, double squared) {
+          ++seen;
           const double other = radius * cloud.spacings[j];
           if (!covered[j] && squared < other * other && sides.Same(cloud.faces[i], cloud.faces[j]))
             covered[j] = 1;
         });
+    if (interrupt->RequestedAfter(seen / kPointsAUnit)) break;
   }
   return accepted;
 }
@@ -66,7 +71,7 @@ absl::StatusOr<DartSamples> ThrowDarts(const Surface& surface, const Density& de
   for (int attempt = 0; best.empty() || attempt < kMaxRadii; ++attempt) {
     std::vector<std::int32_t> accepted = Throw(cloud, sides, radius, control.interrupt);
     if (control.interrupt->Requested()) {
-      return absl::CancelledError("stopped while darts were thrown");
+      return control.interrupt->Error("darts were thrown");
     }
     const std::size_t found = accepted.size();
     if (found >= wanted) {

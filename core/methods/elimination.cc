@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/portable_math.h"
 #include "core/methods/capacity_curve.h"
 #include "core/methods/cloud.h"
 #include "core/methods/methods.h"
@@ -32,32 +33,64 @@ float Weight(double squared, double limit) {
   return static_cast<float>(w4 * w4);
 }
 
-/// The neighbours of every point of the cloud one after the other: those of i end at ends[i].
-struct Neighborhoods {
-  std::vector<Neighbor> neighbors;
-  std::vector<std::int64_t> ends;
-};
+/// Points looked at that are one unit of work of an Interrupt.
+constexpr std::int64_t kPointsAUnit = 64;
 
-Neighborhoods FindNeighbors(const Cloud& cloud, const Sides& sides, double limit,
-                            Interrupt* interrupt) {
-  // A disk of radius r_max holds 2 pi / sqrt(3) samples, and some more for luck.
-  constexpr std::size_t kExpected = 19 * kPointsPerSample / 5;
-  Neighborhoods found;
-  found.neighbors.reserve(kExpected * cloud.positions.size());
-  found.ends.reserve(cloud.positions.size());
-  for (std::int32_t i = 0; i < static_cast<std::int32_t>(cloud.positions.size()); ++i) {
-    if (interrupt->RequestedAt(i)) break;
-    const double spacing = cloud.spacings[i];
-    cloud.tree.ForEachWithin(cloud.positions[i], spacing, [&](std::int32_t j, double squared) {
-      const double smaller = std::min<double>(spacing, cloud.spacings[j]);
-      const double relative = squared / (smaller * smaller);
-      if (j == i || !(relative < 1.0) || !sides.Same(cloud.faces[i], cloud.faces[j])) return;
-      found.neighbors.push_back({j, Weight(relative, limit)});
-    });
-    found.ends.push_back(static_cast<std::int64_t>(found.neighbors.size()));
+/// The neighbours of the points of a cloud. They are kept, unless they are too many: where thin
+/// parts of a surface lie on top of each other, every point may be a neighbour of every other.
+class Neighborhoods {
+ public:
+  /// Unfinished when `interrupt` was requested.
+  Neighborhoods(const Cloud& cloud, const Sides& sides, double limit, Interrupt* interrupt)
+      : cloud_(cloud), sides_(sides), limit_(limit), interrupt_(*interrupt) {
+    // A disk of radius r_max holds 2 pi / sqrt(3) samples, and some more for luck.
+    constexpr std::size_t kExpected = 19 * kPointsPerSample / 5;
+    const std::size_t expected = kExpected * cloud.positions.size();
+    neighbors_.reserve(expected);
+    ends_.reserve(cloud.positions.size());
+    for (std::int32_t i = 0; i < size(); ++i) {
+      if (interrupt_.RequestedAt(i)) return;
+      Search(i, [&](const Neighbor& neighbor) { neighbors_.push_back(neighbor); });
+      ends_.push_back(static_cast<std::int64_t>(neighbors_.size()));
+      if (neighbors_.size() <= 2 * expected) continue;
+      neighbors_ = {};
+      ends_ = {};
+      return;
+    }
   }
-  return found;
-}
+
+  std::int32_t size() const { return static_cast<std::int32_t>(cloud_.positions.size()); }
+
+  /// Calls f(neighbor) for those of point `i`, always in the same order. Ends early when the
+  /// interrupt was requested.
+  template <typename F>
+  void ForEach(std::int32_t i, const F& f) {
+    if (ends_.empty()) return Search(i, f);
+    for (std::int64_t k = i == 0 ? 0 : ends_[i - 1]; k < ends_[i]; ++k) f(neighbors_[k]);
+  }
+
+ private:
+  template <typename F>
+  void Search(std::int32_t i, const F& f) {
+    const double spacing = cloud_.spacings[i];
+    std::int64_t seen = 0;
+    cloud_.tree.ForEachWithin(cloud_.positions[i], spacing, [&](std::int32_t j, double squared) {
+      ++seen;
+      const double smaller = std::min<double>(spacing, cloud_.spacings[j]);
+      const double relative = squared / (smaller * smaller);
+      if (j == i || !(relative < 1.0) || !sides_.Same(cloud_.faces[i], cloud_.faces[j])) return;
+      f(Neighbor{j, Weight(relative, limit_)});
+    });
+    interrupt_.RequestedAfter(1 + seen / kPointsAUnit);
+  }
+
+  const Cloud& cloud_;
+  const Sides& sides_;
+  const double limit_;
+  Interrupt& interrupt_;
+  std::vector<Neighbor> neighbors_;  // One point's after the other's: those of i end at ends_[i].
+  std::vector<std::int64_t> ends_;   // Empty when they are not kept.
+};
 
 /// Points by weight, the largest first, of equal ones that of the largest index, when weights only
 /// fall. A point lies in the bucket of a weight that it once had; when the bucket's turn comes,
@@ -122,13 +155,14 @@ class FallingQueue {
   double scale_ = 0.0;                                 // Buckets a unit of weight.
 };
 
-/// Removes the point of the largest weight until `count` are left; returns which are.
-std::vector<char> Eliminate(const Neighborhoods& all, std::int64_t count, Interrupt* interrupt) {
-  const auto size = static_cast<std::int32_t>(all.ends.size());
-  const auto begin_of = [&](std::int32_t i) { return i == 0 ? 0 : all.ends[i - 1]; };
+/// Removes the point of the largest weight until `count` are left; returns which are. Unfinished
+/// when `interrupt` was requested.
+std::vector<char> Eliminate(Neighborhoods* all, std::int64_t count, Interrupt* interrupt) {
+  const std::int32_t size = all->size();
   std::vector<double> weights(size, 0.0);
   for (std::int32_t i = 0; i < size; ++i) {
-    for (std::int64_t k = begin_of(i); k < all.ends[i]; ++k) weights[i] += all.neighbors[k].weight;
+    if (interrupt->RequestedAt(i)) return {};
+    all->ForEach(i, [&](const Neighbor& neighbor) { weights[i] += neighbor.weight; });
   }
   FallingQueue queue(weights);
   std::vector<char> alive(size, 1);
@@ -136,9 +170,7 @@ std::vector<char> Eliminate(const Neighborhoods& all, std::int64_t count, Interr
     if (interrupt->RequestedAt(left)) break;
     const std::int32_t i = queue.Pop();
     alive[i] = 0;
-    for (std::int64_t k = begin_of(i); k < all.ends[i]; ++k) {
-      weights[all.neighbors[k].index] -= all.neighbors[k].weight;
-    }
+    all->ForEach(i, [&](const Neighbor& neighbor) { weights[neighbor.index] -= neighbor.weight; });
   }
   return alive;
 }
@@ -154,12 +186,14 @@ absl::StatusOr<std::vector<SurfacePoint>> EliminateSamples(const Surface& surfac
   Cloud cloud;
   DrawCloud(surface, density, curve, kPointsPerSample * count, count, seed, kStream,
             control.interrupt, &cloud);
-  const double limit = kBeta * (1.0 - std::pow(1.0 / kPointsPerSample, kGamma));
-  const Neighborhoods neighborhoods = FindNeighbors(cloud, sides, limit, control.interrupt);
+  const double limit = kBeta * (1.0 - PortablePow(1.0 / kPointsPerSample, kGamma));
+  Neighborhoods neighborhoods(cloud, sides, limit, control.interrupt);
   std::vector<char> alive;
-  if (!control.interrupt->Requested()) alive = Eliminate(neighborhoods, count, control.interrupt);
+  if (!control.interrupt->Requested()) {
+    alive = Eliminate(&neighborhoods, count, control.interrupt);
+  }
   if (control.interrupt->Requested()) {
-    return absl::CancelledError("stopped while samples were eliminated");
+    return control.interrupt->Error("samples were eliminated");
   }
   std::vector<SurfacePoint> points;
   points.reserve(count);

@@ -37,7 +37,8 @@ struct MethodControl {
 };
 
 /// Independent random points, each with probability rho / A an area.
-/// @errors CANCELLED when the interrupt was requested; the same for the methods below unless said.
+/// @errors those of Interrupt::Error() when the interrupt was requested; the same for the methods
+///         below unless said.
 /// Cost O(F log F + n log F).
 absl::StatusOr<std::vector<SurfacePoint>> DrawWhiteNoise(const Surface& surface,
                                                          const Density& density, std::int64_t count,
@@ -100,9 +101,10 @@ struct LloydOptions {
 /// point in each of n regions of equal capacity, a component's share by largest remainder;
 /// components without a share are left out. Energy: integral of rho^2 times the squared distance to
 /// the point; it does not rise as long as regions stay on one side. Interrupted after the start, it
-/// returns the points as they are. Cost O(F + n) a step; memory some 500 bytes a sample and 60 a
-/// face. Source: Lloyd 1982; Du, Faber, Gunzburger, "Centroidal Voronoi tessellations", SIAM Review
-/// 41(4), 1999, on the density of the generators and on surfaces.
+/// returns the points as they are, with energy 0 where that was not measured yet. Cost O(F + n) a
+/// step; memory some 500 bytes a sample and 60 a face. Source: Lloyd 1982; Du, Faber, Gunzburger,
+/// "Centroidal Voronoi tessellations", SIAM Review 41(4), 1999, on the density of the generators
+/// and on surfaces.
 absl::StatusOr<RelaxedSamples> RelaxLloyd(const Surface& surface, const Density& density,
                                           std::int64_t count, std::uint64_t seed,
                                           const LloydOptions& options,
@@ -123,7 +125,8 @@ struct BalanceOptions {
 /// point on another side; it never rises.
 /// Starts with points that follow each other on a curve through the surface instead of an arbitrary
 /// ownership, which saves most of the swaps.
-/// Interrupted after the start, it returns the points as they are.
+/// Interrupted after the start, it returns the points as they are, with energy 0 where that was not
+/// measured yet.
 /// @errors INVALID_ARGUMENT LIMIT_EXCEEDED for a count over kMaxBalancedCount.
 /// Cost O(n m log m) a step with m points a sample; some hundred steps.
 /// Source: Balzer, Schloemer, Deussen, "Capacity-constrained point distributions: a variant of

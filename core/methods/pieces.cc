@@ -11,7 +11,7 @@ namespace {
 /// Longest edge of a piece in spacings, and the area in squared spacings under which a piece is
 /// left as it is, however long.
 constexpr double kLongestEdge = 1.2;
-constexpr double kNegligibleArea = 1.0 / 64.0;
+constexpr double kNegligibleArea = 1.0 / 4.0;
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 
@@ -23,12 +23,11 @@ Eigen::Vector3d PositionOf(const Surface& surface, std::int32_t face,
          weights[2] * surface.positions()[corner[2]];
 }
 
-}  // namespace
-
-std::vector<Piece> CutPieces(const Surface& surface, const Density& density, double r_max,
-                             Interrupt* interrupt) {
-  std::vector<Piece> pieces;
-  pieces.reserve(surface.face_count());
+/// Calls take(face, barycentric corners, positions) for every piece, until `interrupt` is
+/// requested.
+template <typename Take>
+void ForEachPiece(const Surface& surface, const Density& density, double r_max,
+                  Interrupt* interrupt, const Take& take) {
   std::vector<std::pair<Corners, double>> stack;  // Barycentric corners, area.
   std::int64_t steps = 0;
   for (std::int32_t f = 0; f < surface.face_count(); ++f) {
@@ -36,7 +35,7 @@ std::vector<Piece> CutPieces(const Surface& surface, const Density& density, dou
     stack.push_back({{Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()},
                      surface.face_areas()[f]});
     while (!stack.empty()) {
-      if (interrupt->RequestedAt(steps++)) return pieces;
+      if (interrupt->RequestedAt(steps++)) return;
       const auto [corners, area] = stack.back();
       stack.pop_back();
       Corners positions;
@@ -61,15 +60,33 @@ std::vector<Piece> CutPieces(const Surface& surface, const Density& density, dou
         stack.push_back({{a, middle, c}, 0.5 * area});
         continue;
       }
-      Piece piece;
-      piece.face = f;
-      for (int k = 0; k < 3; ++k) {
-        const double rho = density.At(f, corners[k], area);
-        piece.corners[k] << positions[k].cast<float>(), static_cast<float>(rho * rho);
-      }
-      pieces.push_back(piece);
+      take(f, corners, positions, area);
     }
   }
+}
+
+}  // namespace
+
+std::vector<Piece> CutPieces(const Surface& surface, const Density& density, double r_max,
+                             Interrupt* interrupt) {
+  // Counted first: a list that grows takes three times its memory in between.
+  std::size_t count = 0;
+  ForEachPiece(surface, density, r_max, interrupt,
+               [&count](std::int32_t, const Corners&, const Corners&, double) { ++count; });
+  std::vector<Piece> pieces;
+  if (interrupt->Requested()) return pieces;
+  pieces.reserve(count);
+  ForEachPiece(
+      surface, density, r_max, interrupt,
+      [&](std::int32_t face, const Corners& corners, const Corners& positions, double area) {
+        Piece piece;
+        piece.face = face;
+        for (int k = 0; k < 3; ++k) {
+          const double rho = density.At(face, corners[k], area);
+          piece.corners[k] << positions[k].cast<float>(), static_cast<float>(rho * rho);
+        }
+        pieces.push_back(piece);
+      });
   return pieces;
 }
 

@@ -20,7 +20,7 @@ struct Piece {
 
 /// Halves the faces across their longest edges until those are at most 1.2 of the spacing
 /// r_max / sqrt(rho) there, or the area is negligible; the weights are rho^2. At most
-/// F + 128 n pieces for n samples, some 4 n when faces are large and well shaped. Faces without
+/// F + 28 n pieces for n samples, some 4 n when faces are large and well shaped. Faces without
 /// area are left out. Unfinished when `interrupt` was requested.
 std::vector<Piece> CutPieces(const Surface& surface, const Density& density, double r_max,
                              Interrupt* interrupt);

@@ -5,14 +5,12 @@
 #include <vector>
 
 #include "core/base/interrupt.h"
+#include "core/density/density.h"
+#include "core/density/share_out.h"
 #include "core/methods/capacity_curve.h"
 #include "core/random/random.h"
 
 namespace ccst {
-
-/// `count` shared out by `sizes` (not all zero): each its whole part, then one more by largest
-/// remainder, the first of equal ones.
-std::vector<std::int64_t> ShareOut(std::int64_t count, const std::vector<double>& sizes);
 
 /// Cuts each component into intervals of equal capacity along the curve, `parts` times as many as
 /// its share of `count`, and calls visit(point) with a random point of each, in order. Ends early

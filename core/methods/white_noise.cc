@@ -19,7 +19,7 @@ absl::StatusOr<std::vector<SurfacePoint>> DrawWhiteNoise(const Surface& surface,
   points.reserve(count);
   for (std::int64_t i = 0; i < count; ++i) {
     if (control.interrupt->RequestedAt(i)) {
-      return absl::CancelledError("stopped while white noise was drawn");
+      return control.interrupt->Error("white noise was drawn");
     }
     points.push_back(curve.At(random.Uniform(i) * curve.length()));
   }

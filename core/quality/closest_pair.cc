@@ -17,6 +17,8 @@ namespace {
 
 // Runs of samples whose neighbours one thread looks for in one go.
 constexpr std::int64_t kPiece = 512;
+// Units of work, for an Interrupt, of looking around a run.
+constexpr std::int64_t kRunWork = 64;
 // Positions this many mean spacings apart, or fewer, are near.
 constexpr double kNear = 8.0;
 // So few need no order of their own.
@@ -152,8 +154,11 @@ SamplePair FindClosestSameSide(std::span<const Eigen::Vector3d> positions,
   std::vector<Closest> found((search.run_count() + kPiece - 1) / kPiece, start);
   parallel.ForRanges(search.run_count(), kPiece,
                      [&, stop = *interrupt](std::int64_t from, std::int64_t end) {
-                       if (Interrupt(stop).Requested()) return;
-                       search.Find(from, end, &found[static_cast<std::size_t>(from / kPiece)]);
+                       Interrupt own = stop;
+                       for (std::int64_t run = from; run < end; ++run) {
+                         if (own.RequestedAfter(kRunWork)) return;
+                         search.Find(run, run + 1, &found[static_cast<std::size_t>(from / kPiece)]);
+                       }
                      });
   Closest closest = start;
   for (const Closest& other : found) {

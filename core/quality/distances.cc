@@ -7,11 +7,15 @@
 
 #include <nanoflann.hpp>
 
+#include "core/base/assert.h"
+
 namespace ccst::quality {
 namespace {
 
 // Samples whose neighbours one thread looks for in one go.
 constexpr std::int64_t kPiece = 1024;
+// Units of work, for an Interrupt, of a search.
+constexpr std::int64_t kSearchWork = 16;
 
 // nanoflann's view of the positions.
 struct PointCloud {
@@ -131,13 +135,17 @@ SamplePair ClosestPair(const Tree& tree, std::span<const Eigen::Vector3d> positi
 }  // namespace
 
 double HexagonalSpacing(double area, std::int64_t count) {
+  CCST_ASSERT(count > 0);
   return std::sqrt(2.0 * area / (std::sqrt(3.0) * static_cast<double>(count)));
 }
 
 DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
                                  std::span<const Eigen::Vector3d> normals, double area,
                                  const Eigen::Vector3d& periodic_box,
-                                 std::span<const double> scales, const Parallel& parallel) {
+                                 std::span<const double> scales, const Parallel& parallel,
+                                 Interrupt* interrupt) {
+  Interrupt never;
+  if (interrupt == nullptr) interrupt = &never;
   DistanceFigures figures;
   if (positions.empty()) return figures;
   const auto count = static_cast<std::int32_t>(positions.size());
@@ -153,11 +161,14 @@ DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
   same.normals = normals;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<NearestOther> nearest(positions.size(), NearestOther(-1, all, kInfinity));
-  parallel.ForRanges(count, kPiece, [&](std::int64_t first, std::int64_t end) {
+  parallel.ForRanges(count, kPiece, [&, stop = *interrupt](std::int64_t first, std::int64_t end) {
+    Interrupt own = stop;
     for (auto i = static_cast<std::int32_t>(first); i < static_cast<std::int32_t>(end); ++i) {
+      if (own.RequestedAfter(kSearchWork)) return;
       nearest[i] = FindNearest(tree, positions[i], images, NearestOther(i, all, kInfinity));
     }
   });
+  if (interrupt->Requested()) return figures;
   double sum = 0.0;
   for (std::int32_t i = 0; i < count; ++i) {
     figures.nearest.push_back(std::sqrt(nearest[i].squared()) / figures.r_max);
@@ -167,7 +178,8 @@ DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
   if (normals.empty()) {
     figures.closest_same_side = figures.closest;
   } else if (images.size() == 1) {
-    figures.closest_same_side = FindClosestSameSide(positions, normals, scales, nullptr, parallel);
+    figures.closest_same_side =
+        FindClosestSameSide(positions, normals, scales, interrupt, parallel);
   } else {
     figures.closest_same_side = ClosestPair(tree, positions, images, same);
   }

@@ -52,12 +52,14 @@ SamplePair FindClosestSameSide(std::span<const Eigen::Vector3d> positions,
 /// @param scales        n factors > 0 of the spacing wanted at each point, where that differs;
 ///                      distances are then divided by the mean of the two ends' factors.
 ///                      Empty: 1 everywhere.
+/// @param interrupt     may be null; once requested, the figures mean nothing.
 /// Ratios without a pair (n < 2, or none on the same side) are 0.
 /// Cost O(n log n) with a k-d tree; about 0.2 s for n = 1e5. The same on any number of threads.
 DistanceFigures MeasureDistances(std::span<const Eigen::Vector3d> positions,
                                  std::span<const Eigen::Vector3d> normals, double area,
                                  const Eigen::Vector3d& periodic_box = Eigen::Vector3d::Zero(),
                                  std::span<const double> scales = {},
-                                 const Parallel& parallel = Parallel());
+                                 const Parallel& parallel = Parallel(),
+                                 Interrupt* interrupt = nullptr);
 
 }  // namespace ccst::quality

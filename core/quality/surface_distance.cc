@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -13,6 +14,8 @@ namespace ccst::quality {
 namespace {
 
 constexpr double kDefaultPoints = 1e5;
+// No more points than these, or two a face.
+constexpr double kMostPoints = 2e7;
 // No face gets more rows, or points in a row: a needle shall not ask for billions.
 constexpr double kMaxSteps = 2000.0;
 // Faces or triangles are cut into this many pieces for threads, or more where they are many.
@@ -64,21 +67,47 @@ int Steps(double length, double spacing) {
   return static_cast<int>(std::clamp(std::ceil(length / spacing), 1.0, kMaxSteps));
 }
 
+// A triangle whose longest side is its base: rows parallel to it need few points on slivers.
+struct BasedTriangle {
+  BasedTriangle(const TriangleMesh& mesh, std::size_t f)
+      : a(mesh.positions[mesh.faces[f][0]]),
+        b(mesh.positions[mesh.faces[f][1]]),
+        c(mesh.positions[mesh.faces[f][2]]) {
+    const double ab = (b - a).squaredNorm(), bc = (c - b).squaredNorm(), ca = (a - c).squaredNorm();
+    if (bc >= ab && bc >= ca) {
+      std::tie(a, b, c) = std::tuple(b, c, a);
+    } else if (ca >= ab && ca >= bc) {
+      std::tie(a, b, c) = std::tuple(c, a, b);
+    }
+    base = (b - a).norm();
+    if (base > 0.0) height = (b - a).cross(c - a).norm() / base;
+  }
+
+  Eigen::Vector3d a, b, c;
+  double base = 0.0;
+  double height = 0.0;
+};
+
+// The spacing that gives about kDefaultPoints, wider where needles would ask for very many more.
+double DefaultSpacing(const TriangleMesh& surface) {
+  double spacing = std::sqrt(TotalArea(surface.positions, surface.faces) / kDefaultPoints);
+  const double most = std::max(kMostPoints, 2.0 * static_cast<double>(surface.faces.size()));
+  for (; spacing > 0.0; spacing *= 2.0) {
+    double points = 0.0;
+    for (std::size_t f = 0; f < surface.faces.size(); ++f) {
+      const BasedTriangle face(surface, f);
+      points += static_cast<double>(Steps(face.height, spacing)) * Steps(face.base, spacing);
+    }
+    if (points <= most) break;
+  }
+  return spacing;
+}
+
 // Visits the middle points of a grid over a triangle; each stands for an equal share of the
 // area of its row.
-void AddFace(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector3d& r,
-             double spacing, Accumulator& out) {
-  // Rows run parallel to the longest side, so that slivers need few points.
-  Eigen::Vector3d a = p, b = q, c = r;
-  const double pq = (q - p).squaredNorm(), qr = (r - q).squaredNorm(), rp = (p - r).squaredNorm();
-  if (qr >= pq && qr >= rp) {
-    a = q, b = r, c = p;
-  } else if (rp >= pq && rp >= qr) {
-    a = r, b = p, c = q;
-  }
-  const double base = (b - a).norm();
+void AddFace(const BasedTriangle& face, double spacing, Accumulator& out) {
+  const auto& [a, b, c, base, height] = face;
   if (!(base > 0.0)) return;
-  const double height = (b - a).cross(c - a).norm() / base;
   const int rows = Steps(height, spacing);
   for (int row = 0; row < rows; ++row) {
     const double t = (row + 0.5) / rows;
@@ -108,17 +137,13 @@ SurfaceDistanceFigures MeasureSurfaceDistance(const TriangleMesh& surface,
                                               std::span<const Eigen::Vector3d> positions,
                                               std::span<const Eigen::Vector3i> triangles,
                                               double spacing, const Parallel& parallel) {
-  if (!(spacing > 0.0)) {
-    spacing = std::sqrt(TotalArea(surface.positions, surface.faces) / kDefaultPoints);
-  }
+  if (!(spacing > 0.0)) spacing = DefaultSpacing(surface);
   const TriangleTree sample_tree(positions, triangles);
   Accumulator from_surface(sample_tree);
   AddAll(
       static_cast<std::int64_t>(surface.faces.size()), parallel, sample_tree,
       [&](std::size_t f, Accumulator& piece) {
-        const Eigen::Vector3i& t = surface.faces[f];
-        AddFace(surface.positions[t[0]], surface.positions[t[1]], surface.positions[t[2]], spacing,
-                piece);
+        AddFace(BasedTriangle(surface, f), spacing, piece);
       },
       from_surface);
   std::vector<std::uint8_t> used(surface.positions.size(), 0);

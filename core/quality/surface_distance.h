@@ -39,7 +39,8 @@ double LargestDistance(std::span<const Eigen::Vector3d> points, const TriangleTr
 ///   it is largest near these points.
 /// @param surface_tree  over `surface.faces`.
 /// @param positions     n x 3 samples.  @param triangles  m x 3 indices in [0, n), m > 0.
-/// @param spacing       > 0 [mesh unit]; 0: the square root of area / 1e5.
+/// @param spacing       > 0 [mesh unit]; 0: the square root of area / 1e5, or more where needles
+///                      would get more than 2e7 points.
 /// Cost O((area / spacing^2 + F + m) log(F + m)); the same bits on any number of threads.
 SurfaceDistanceFigures MeasureSurfaceDistance(const TriangleMesh& surface,
                                               const TriangleTree& surface_tree,

@@ -8,6 +8,8 @@ namespace ccst::quality {
 namespace {
 
 constexpr std::int32_t kLeafSize = 4;
+// Triangles put in order that are one unit of work of an Interrupt.
+constexpr std::int32_t kTrianglesAUnit = 64;
 
 Eigen::Vector3d ClosestPointOnSegment(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
                                       const Eigen::Vector3d& b) {
@@ -42,7 +44,9 @@ Eigen::Vector3d ClosestPointOnTriangle(const Eigen::Vector3d& p, const Eigen::Ve
 }
 
 TriangleTree::TriangleTree(std::span<const Eigen::Vector3d> positions,
-                           std::span<const Eigen::Vector3i> triangles) {
+                           std::span<const Eigen::Vector3i> triangles, Interrupt* interrupt) {
+  Interrupt never;
+  if (interrupt == nullptr) interrupt = &never;
   triangles_.reserve(triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const Eigen::Vector3i& t = triangles[i];
@@ -51,10 +55,10 @@ TriangleTree::TriangleTree(std::span<const Eigen::Vector3d> positions,
   }
   if (triangles_.empty()) return;
   nodes_.reserve(triangles_.size());
-  BuildNode(0, static_cast<std::int32_t>(triangles_.size()));
+  BuildNode(0, static_cast<std::int32_t>(triangles_.size()), interrupt);
 }
 
-std::int32_t TriangleTree::BuildNode(std::int32_t begin, std::int32_t end) {
+std::int32_t TriangleTree::BuildNode(std::int32_t begin, std::int32_t end, Interrupt* interrupt) {
   const auto id = static_cast<std::int32_t>(nodes_.size());
   nodes_.emplace_back();
   Eigen::AlignedBox3d box;
@@ -65,7 +69,7 @@ std::int32_t TriangleTree::BuildNode(std::int32_t begin, std::int32_t end) {
     centres.extend(t.a + t.b + t.c);
   }
   nodes_[id].box = box;
-  if (end - begin <= kLeafSize) {
+  if (end - begin <= kLeafSize || interrupt->RequestedAfter(1 + (end - begin) / kTrianglesAUnit)) {
     nodes_[id].begin = begin;
     nodes_[id].end = end;
     return id;
@@ -78,8 +82,8 @@ std::int32_t TriangleTree::BuildNode(std::int32_t begin, std::int32_t end) {
                    triangles_.begin() + end, [axis](const Triangle& s, const Triangle& t) {
                      return s.a[axis] + s.b[axis] + s.c[axis] < t.a[axis] + t.b[axis] + t.c[axis];
                    });
-  BuildNode(begin, middle);
-  const std::int32_t right = BuildNode(middle, end);
+  BuildNode(begin, middle, interrupt);
+  const std::int32_t right = BuildNode(middle, end, interrupt);
   nodes_[id].right = right;
   return id;
 }

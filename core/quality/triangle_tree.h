@@ -8,6 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/base/interrupt.h"
+
 namespace ccst::quality {
 
 /// The point of triangle (a, b, c) closest to `p`. Exact up to rounding; triangles without
@@ -26,9 +28,10 @@ class TriangleTree {
   };
 
   /// @param positions  n x 3, finite.  @param triangles  m x 3 indices in [0, n).
+  /// @param interrupt  may be null; once requested, searches are right but slow.
   /// Cost O(m log m).
   TriangleTree(std::span<const Eigen::Vector3d> positions,
-               std::span<const Eigen::Vector3i> triangles);
+               std::span<const Eigen::Vector3i> triangles, Interrupt* interrupt = nullptr);
 
   /// The closest point on the triangles that is nearer than `bound`. Cost O(log m) typically.
   Hit FindClosest(const Eigen::Vector3d& p,
@@ -46,7 +49,7 @@ class TriangleTree {
     std::int64_t index;
   };
 
-  std::int32_t BuildNode(std::int32_t begin, std::int32_t end);
+  std::int32_t BuildNode(std::int32_t begin, std::int32_t end, Interrupt* interrupt);
 
   std::vector<Node> nodes_;
   std::vector<Triangle> triangles_;

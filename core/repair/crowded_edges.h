@@ -11,8 +11,8 @@ namespace ccst::repair {
 /// that do once a whole piece is turned over; flattest first, the convex of equals, then the
 /// smaller indices. Updates the flips so that they agree along the new links. `pieces` becomes
 /// stale. Cost O(k log k) at an edge of k faces: of more than 16 faces each looks at the 16 next
-/// to its flat continuation.
+/// to its flat continuation. Unfinished when `interrupt` was requested.
 void LinkCrowdedEdges(const Geometry& geometry, const CrowdedEdges& crowded,
-                      Orientation* orientation, LinkedFaces* linked);
+                      Orientation* orientation, LinkedFaces* linked, Interrupt* interrupt);
 
 }  // namespace ccst::repair

@@ -30,7 +30,7 @@ void Compact(const std::vector<std::uint8_t>& dropped, LinkedFaces* linked) {
 
 }  // namespace
 
-std::int64_t DropDuplicates(LinkedFaces* linked, std::int64_t vertex_count) {
+std::int64_t DropDuplicates(LinkedFaces* linked, std::int64_t vertex_count, Interrupt* interrupt) {
   // Faces by their smallest vertex, then sorted within.
   std::vector<std::int32_t> start(vertex_count + 1, 0);
   for (const Eigen::Vector3i& face : linked->faces) ++start[face.minCoeff() + 1];
@@ -44,6 +44,7 @@ std::int64_t DropDuplicates(LinkedFaces* linked, std::int64_t vertex_count) {
   std::vector<Key> keys(linked->faces.size());
   std::vector<std::int32_t> fill(start.begin(), start.end() - 1);
   for (std::int32_t f = 0; f < linked->count(); ++f) {
+    if (interrupt->RequestedAt(f)) return 0;
     Eigen::Vector3i face = linked->faces[f];
     std::sort(face.data(), face.data() + 3);
     keys[fill[face[0]]++] = {face[1], face[2], f};
@@ -51,6 +52,7 @@ std::int64_t DropDuplicates(LinkedFaces* linked, std::int64_t vertex_count) {
   std::vector<std::uint8_t> dropped(linked->faces.size(), 0);
   std::int64_t count = 0;
   for (std::int64_t v = 0; v < vertex_count; ++v) {
+    if (interrupt->RequestedAfter(1 + start[v + 1] - start[v])) return 0;
     std::sort(keys.begin() + start[v], keys.begin() + start[v + 1]);
     for (std::int32_t i = start[v] + 1; i < start[v + 1]; ++i) {
       if (keys[i].middle != keys[i - 1].middle || keys[i].high != keys[i - 1].high) continue;
@@ -63,10 +65,11 @@ std::int64_t DropDuplicates(LinkedFaces* linked, std::int64_t vertex_count) {
 }
 
 std::int64_t DropHangingSlivers(const Geometry& geometry, LinkedFaces* linked,
-                                std::int64_t vertex_count) {
+                                std::int64_t vertex_count, Interrupt* interrupt) {
   std::vector<std::uint8_t> free_sides(linked->faces.size(), 0);
   CrowdedEdges crowded;
   ForEachEdge(linked->faces, vertex_count, [&](std::span<const std::int32_t> slots) {
+    if (interrupt->RequestedAfter(1)) return false;
     if (slots.size() == 1) ++free_sides[slots[0] / 3];
     if (slots.size() <= 2) return true;
     crowded.slots.insert(crowded.slots.end(), slots.begin(), slots.end());
@@ -92,13 +95,16 @@ std::int64_t DropHangingSlivers(const Geometry& geometry, LinkedFaces* linked,
 }
 
 CrowdedEdges LinkPlainEdges(const std::vector<Eigen::Vector3i>& input_faces,
-                            const std::vector<std::int32_t>& leaders, LinkedFaces* linked) {
+                            const std::vector<std::int32_t>& leaders, LinkedFaces* linked,
+                            Interrupt* interrupt) {
   linked->links.assign(3 * linked->faces.size(), -1);
   CrowdedEdges crowded;
   // The input's own two vertices of a slot, and the slot.
   std::vector<std::array<std::int32_t, 3>> named;
   ForEachEdge(linked->faces, static_cast<std::int64_t>(leaders.size()),
               [&](std::span<const std::int32_t> slots) {
+                if (interrupt->RequestedAfter(static_cast<std::int64_t>(slots.size())))
+                  return false;
                 if (slots.size() == 2) linked->Link(slots[0], slots[1]);
                 if (slots.size() <= 2) return true;
                 crowded.any = true;

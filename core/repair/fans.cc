@@ -10,11 +10,13 @@ namespace ccst::repair {
 namespace {
 
 /// The fan of every corner, dense from 0 in order of first use. @return how many there are.
-std::int32_t NumberFans(const LinkedFaces& linked, std::vector<Eigen::Vector3i>* fans) {
+std::int32_t NumberFans(const LinkedFaces& linked, Interrupt* interrupt,
+                        std::vector<Eigen::Vector3i>* fans) {
   const std::int32_t corners = 3 * linked.count();
   DisjointSets sets(corners);
   const auto next = [](std::int32_t s) { return s - s % 3 + (s % 3 + 1) % 3; };
   for (std::int32_t s = 0; s < corners; ++s) {
+    if (interrupt->RequestedAt(s)) return 0;
     const std::int32_t other = linked.links[s];
     if (other < s) continue;
     const bool opposite = linked.Origin(s) != linked.Origin(other);
@@ -33,10 +35,10 @@ std::int32_t NumberFans(const LinkedFaces& linked, std::vector<Eigen::Vector3i>*
 
 }  // namespace
 
-std::vector<std::int32_t> SplitFans(LinkedFaces* linked) {
+std::vector<std::int32_t> SplitFans(LinkedFaces* linked, Interrupt* interrupt) {
   std::vector<Eigen::Vector3i> fans;
-  std::int32_t count = NumberFans(*linked, &fans);
-  if (count == 0) return {};
+  std::int32_t count = NumberFans(*linked, interrupt, &fans);
+  if (count == 0 || interrupt->Requested()) return {};
   const std::vector<Eigen::Vector3i> whole = std::exchange(linked->faces, fans);
   // Two surfaces that cross at one edge may be joined crosswise there and stay joined around both
   // ends. Then one pair of vertices would stand for two edges, which an index list cannot say.
@@ -45,6 +47,7 @@ std::vector<std::int32_t> SplitFans(LinkedFaces* linked) {
   bool undone = false;
   std::vector<std::pair<std::int32_t, std::int32_t>> meeting;  // Boundary over boundary.
   const auto look = [&](std::span<const std::int32_t> slots) {
+    if (interrupt->RequestedAfter(1)) return false;
     if (slots.size() == 2 && linked->links[slots[0]] < 0) meeting.emplace_back(slots[0], slots[1]);
     if (slots.size() <= 2) return true;
     for (const std::int32_t s : slots) linked->Unlink(s);
@@ -54,11 +57,13 @@ std::vector<std::int32_t> SplitFans(LinkedFaces* linked) {
   ForEachEdge(linked->faces, count, look);
   if (undone) {
     linked->faces = whole;
-    count = NumberFans(*linked, &fans);
+    count = NumberFans(*linked, interrupt, &fans);
+    if (interrupt->Requested()) return {};
     linked->faces = fans;
     meeting.clear();
     ForEachEdge(linked->faces, count, look);
   }
+  if (interrupt->Requested()) return {};
   for (const auto& [one, other] : meeting) linked->Link(one, other);
   std::vector<std::int32_t> vertices(count, -1);
   for (std::size_t f = 0; f < fans.size(); ++f) {

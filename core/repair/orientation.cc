@@ -23,7 +23,8 @@ bool InConflict(const LinkedFaces& linked, const std::vector<std::uint8_t>& flip
 /// A flip for every face. With `agreeing_first` neighbours that agree are visited before others,
 /// so that where no orientation exists the contradictions come to lie on edges where the input
 /// disagrees; without, faces are visited by their distance, which gives short lines of them.
-std::vector<std::uint8_t> SpreadFlips(const LinkedFaces& linked, bool agreeing_first) {
+std::vector<std::uint8_t> SpreadFlips(const LinkedFaces& linked, bool agreeing_first,
+                                      Interrupt* interrupt) {
   std::vector<std::uint8_t> flips(linked.faces.size(), 0);
   std::vector<std::uint8_t> visited(linked.faces.size(), 0);
   std::vector<std::int32_t> stack;
@@ -37,6 +38,7 @@ std::vector<std::uint8_t> SpreadFlips(const LinkedFaces& linked, bool agreeing_f
       flips[later[next].first] = later[next].second;
       stack.assign(1, later[next].first);
       while (!stack.empty()) {
+        if (interrupt->RequestedAfter(1)) return flips;
         const std::int32_t f = stack.back();
         stack.pop_back();
         for (std::int32_t s = 3 * f; s < 3 * f + 3; ++s) {
@@ -59,7 +61,7 @@ std::vector<std::uint8_t> SpreadFlips(const LinkedFaces& linked, bool agreeing_f
 }
 
 /// Turns single faces while that leaves fewer contradictions: straightens the lines to cut.
-void Straighten(const LinkedFaces& linked, std::vector<std::uint8_t>* flips) {
+void Straighten(const LinkedFaces& linked, Interrupt* interrupt, std::vector<std::uint8_t>* flips) {
   const auto gains = [&](std::int32_t f) {
     int balance = 0;
     for (std::int32_t s = 3 * f; s < 3 * f + 3; ++s) {
@@ -71,9 +73,10 @@ void Straighten(const LinkedFaces& linked, std::vector<std::uint8_t>* flips) {
   };
   std::vector<std::int32_t> work;
   for (std::int32_t f = linked.count() - 1; f >= 0; --f) {
+    if (interrupt->RequestedAt(f)) return;
     if (gains(f)) work.push_back(f);
   }
-  while (!work.empty()) {
+  while (!work.empty() && !interrupt->RequestedAfter(1)) {
     const std::int32_t f = work.back();
     work.pop_back();
     if (!gains(f)) continue;
@@ -93,17 +96,18 @@ std::int64_t CountConflicts(const LinkedFaces& linked, const std::vector<std::ui
 }
 
 /// Flips with few contradictions; none if there can be none.
-std::vector<std::uint8_t> ChooseFlips(const LinkedFaces& linked) {
-  std::vector<std::uint8_t> flips = SpreadFlips(linked, true);
-  if (CountConflicts(linked, flips) == 0) return flips;
-  Straighten(linked, &flips);
-  std::vector<std::uint8_t> others = SpreadFlips(linked, false);
-  Straighten(linked, &others);
+std::vector<std::uint8_t> ChooseFlips(const LinkedFaces& linked, Interrupt* interrupt) {
+  std::vector<std::uint8_t> flips = SpreadFlips(linked, true, interrupt);
+  if (interrupt->Requested() || CountConflicts(linked, flips) == 0) return flips;
+  Straighten(linked, interrupt, &flips);
+  std::vector<std::uint8_t> others = SpreadFlips(linked, false, interrupt);
+  Straighten(linked, interrupt, &others);
   const bool shorter = CountConflicts(linked, others) < CountConflicts(linked, flips);
   return shorter ? others : flips;
 }
 
-void FindPieces(const LinkedFaces& linked, Orientation* orientation) {
+/// Unfinished when `interrupt` was requested.
+void FindPieces(const LinkedFaces& linked, Interrupt* interrupt, Orientation* orientation) {
   orientation->pieces.assign(linked.faces.size(), -1);
   orientation->piece_count = 0;
   std::vector<std::int32_t> stack;
@@ -113,6 +117,7 @@ void FindPieces(const LinkedFaces& linked, Orientation* orientation) {
     orientation->pieces[seed] = piece;
     stack.assign(1, seed);
     while (!stack.empty()) {
+      if (interrupt->RequestedAfter(1)) return;
       const std::int32_t f = stack.back();
       stack.pop_back();
       for (std::int32_t s = 3 * f; s < 3 * f + 3; ++s) {
@@ -166,16 +171,18 @@ std::vector<std::uint8_t> BreakTies(const Geometry& geometry,
 
 }  // namespace
 
-Orientation OrientAlongLinks(LinkedFaces* linked, std::int64_t* cuts) {
+Orientation OrientAlongLinks(LinkedFaces* linked, std::int64_t* cuts, Interrupt* interrupt) {
   Orientation orientation;
-  orientation.flips = ChooseFlips(*linked);
+  orientation.flips = ChooseFlips(*linked, interrupt);
   *cuts = 0;
+  if (interrupt->Requested()) return orientation;
   for (std::int32_t s = 0; s < 3 * linked->count(); ++s) {
     if (linked->links[s] < 0 || !InConflict(*linked, orientation.flips, s)) continue;
     linked->Unlink(s);
     ++*cuts;
   }
-  FindPieces(*linked, &orientation);
+  FindPieces(*linked, interrupt, &orientation);
+  if (interrupt->Requested()) return orientation;
   const std::vector<std::int64_t> balance = Balance(orientation);
   for (std::size_t f = 0; f < orientation.flips.size(); ++f) {
     if (balance[orientation.pieces[f]] < 0) orientation.flips[f] ^= 1;
@@ -185,8 +192,9 @@ Orientation OrientAlongLinks(LinkedFaces* linked, std::int64_t* cuts) {
 
 std::int64_t ApplyOrientation(const Geometry& geometry,
                               const std::vector<std::int32_t>& positions_of,
-                              Orientation* orientation, LinkedFaces* linked) {
-  FindPieces(*linked, orientation);
+                              Orientation* orientation, LinkedFaces* linked, Interrupt* interrupt) {
+  FindPieces(*linked, interrupt, orientation);
+  if (interrupt->Requested()) return 0;
   const std::vector<std::int64_t> balance = Balance(*orientation);
   const std::vector<std::uint8_t> turn =
       BreakTies(geometry, positions_of, *linked, *orientation, balance);

@@ -38,8 +38,6 @@ absl::Status Refuse(ErrorReason reason, const std::string& message) {
   return MakeError(absl::StatusCode::kInvalidArgument, reason, message);
 }
 
-absl::Status Stopped() { return absl::CancelledError("stopped while the mesh was repaired"); }
-
 std::string Describe(const Eigen::Vector3d& p) {
   return absl::StrCat("(", p.x(), ", ", p.y(), ", ", p.z(), ")");
 }
@@ -242,34 +240,41 @@ absl::StatusOr<RepairedMesh> Repair(const TriangleMesh& mesh, const RepairOption
   }
   RepairReport& report = result.report;
   const auto vertex_count = static_cast<std::int64_t>(mesh.positions.size());
-  const auto stopped = [interrupt] { return interrupt->Requested(); };
-  if (stopped()) return Stopped();
+  const auto stopped = [interrupt] { return interrupt->Error("the mesh was repaired"); };
+  if (interrupt->Requested()) return stopped();
   const std::vector<std::int32_t> leaders =
-      repair::WeldLeaders(mesh.positions, used, options.weld_tolerance);
-  if (stopped()) return Stopped();
+      repair::WeldLeaders(mesh.positions, used, options.weld_tolerance, interrupt);
+  if (interrupt->Requested()) return stopped();
   LinkedFaces linked = WeldFaces(mesh, leaders, &report.repeated_index_faces);
-  report.duplicate_faces = repair::DropDuplicates(&linked, vertex_count);
-  if (stopped()) return Stopped();
-  repair::CrowdedEdges crowded = repair::LinkPlainEdges(mesh.faces, leaders, &linked);
+  report.duplicate_faces = repair::DropDuplicates(&linked, vertex_count, interrupt);
+  if (interrupt->Requested()) return stopped();
+  repair::CrowdedEdges crowded = repair::LinkPlainEdges(mesh.faces, leaders, &linked, interrupt);
   if (crowded.any) {
-    report.degenerate_faces = repair::DropHangingSlivers(geometry, &linked, vertex_count);
+    report.degenerate_faces =
+        repair::DropHangingSlivers(geometry, &linked, vertex_count, interrupt);
+    if (interrupt->Requested()) return stopped();
     if (report.degenerate_faces > 0) {
-      crowded = repair::LinkPlainEdges(mesh.faces, leaders, &linked);
+      crowded = repair::LinkPlainEdges(mesh.faces, leaders, &linked, interrupt);
     }
   }
-  if (stopped()) return Stopped();
+  if (interrupt->Requested()) return stopped();
   report.cut_edges = static_cast<std::int64_t>(crowded.count());
-  repair::Orientation orientation = repair::OrientAlongLinks(&linked, &report.non_orientable_cuts);
-  repair::LinkCrowdedEdges(geometry, crowded, &orientation, &linked);
+  repair::Orientation orientation =
+      repair::OrientAlongLinks(&linked, &report.non_orientable_cuts, interrupt);
+  if (interrupt->Requested()) return stopped();
+  repair::LinkCrowdedEdges(geometry, crowded, &orientation, &linked, interrupt);
 
-  if (stopped()) return Stopped();
-  const std::vector<std::int32_t> fan_leaders = repair::SplitFans(&linked);
+  if (interrupt->Requested()) return stopped();
+  const std::vector<std::int32_t> fan_leaders = repair::SplitFans(&linked, interrupt);
+  if (interrupt->Requested()) return stopped();
   const std::vector<std::int32_t> input_vertices = InputVertices(mesh, linked, fan_leaders.size());
-  if (stopped()) return Stopped();
-  report.flipped_faces = repair::ApplyOrientation(geometry, input_vertices, &orientation, &linked);
-  if (stopped()) return Stopped();
+  if (interrupt->Requested()) return stopped();
+  report.flipped_faces =
+      repair::ApplyOrientation(geometry, input_vertices, &orientation, &linked, interrupt);
+  if (interrupt->Requested()) return stopped();
   const repair::ZeroAreaReport zero_area =
-      repair::RemoveZeroArea(geometry, input_vertices, &linked);
+      repair::RemoveZeroArea(geometry, input_vertices, &linked, interrupt);
+  if (interrupt->Requested()) return stopped();
   report.degenerate_faces += zero_area.removed;
   report.split_faces = zero_area.splits;
 

@@ -12,8 +12,13 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/base/sort_in_runs.h"
+
 namespace ccst::repair {
 namespace {
+
+/// Units of work, for an Interrupt, of looking for a leader near a vertex.
+constexpr std::int64_t kWeldWork = 4;
 
 std::uint64_t Hash(const Eigen::Vector3d& p) {
   std::uint64_t hash = 0;
@@ -33,13 +38,14 @@ struct CellHash {
 
 /// Sorting by hash, then by place, cannot be made slow by chosen coordinates.
 void JoinEqual(const std::vector<Eigen::Vector3d>& positions, const std::vector<std::uint8_t>& used,
-               std::vector<std::int32_t>* leaders) {
+               Interrupt* interrupt, std::vector<std::int32_t>* leaders) {
   std::vector<std::pair<std::uint64_t, std::int32_t>> order;
   order.reserve(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (used[i]) order.emplace_back(Hash(positions[i]), static_cast<std::int32_t>(i));
   }
-  std::sort(order.begin(), order.end());
+  SortInRuns(order.begin(), order.end(), interrupt);
+  if (interrupt->Requested()) return;
   const auto before = [&](const auto& a, const auto& b) {
     const Eigen::Vector3d& p = positions[a.second];
     const Eigen::Vector3d& q = positions[b.second];
@@ -48,7 +54,8 @@ void JoinEqual(const std::vector<Eigen::Vector3d>& positions, const std::vector<
   for (std::size_t i = 0; i < order.size();) {
     std::size_t end = i + 1;
     while (end < order.size() && order[end].first == order[i].first) ++end;
-    if (end - i > 1) std::sort(order.begin() + i, order.begin() + end, before);
+    if (interrupt->RequestedAfter(static_cast<std::int64_t>(end - i))) return;
+    if (end - i > 1) SortInRuns(order.begin() + i, order.begin() + end, interrupt, before);
     std::int32_t leader = order[i].second;
     for (; i < end; ++i) {
       const std::int32_t vertex = order[i].second;
@@ -151,11 +158,12 @@ bool AllDiffer(const std::vector<Eigen::Vector3d>& positions, const Parallel& pa
 }
 
 std::vector<std::int32_t> WeldLeaders(const std::vector<Eigen::Vector3d>& positions,
-                                      const std::vector<std::uint8_t>& used, double tolerance) {
+                                      const std::vector<std::uint8_t>& used, double tolerance,
+                                      Interrupt* interrupt) {
   std::vector<std::int32_t> leaders(positions.size());
   std::iota(leaders.begin(), leaders.end(), 0);
-  JoinEqual(positions, used, &leaders);
-  if (!(tolerance > 0.0)) return leaders;
+  JoinEqual(positions, used, interrupt, &leaders);
+  if (!(tolerance > 0.0) || interrupt->Requested()) return leaders;
 
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high = -low;
@@ -167,6 +175,7 @@ std::vector<std::int32_t> WeldLeaders(const std::vector<Eigen::Vector3d>& positi
   LeaderGrid grid(positions, low, (high - low).maxCoeff(), tolerance);
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const auto vertex = static_cast<std::int32_t>(i);
+    if (interrupt->RequestedAfter(kWeldWork)) return leaders;
     if (!used[i]) continue;
     if (leaders[i] != vertex) {
       leaders[i] = leaders[leaders[i]];  // An equal one came before and has settled.

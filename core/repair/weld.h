@@ -15,9 +15,10 @@ namespace ccst::repair {
 /// each joins the first leader at most `tolerance` away or becomes one. So leaders
 /// stay farther apart than the tolerance.
 /// @param positions finite. @param tolerance [their unit], >= 0, finite.
-/// Cost O(V log V).
+/// Unfinished when `interrupt` was requested. Cost O(V log V).
 std::vector<std::int32_t> WeldLeaders(const std::vector<Eigen::Vector3d>& positions,
-                                      const std::vector<std::uint8_t>& used, double tolerance);
+                                      const std::vector<std::uint8_t>& used, double tolerance,
+                                      Interrupt* interrupt);
 
 /// Whether no two positions are equal; may be wrong, once in 10^19 pairs, by saying that two are.
 /// Positions must be finite. When `interrupt` is requested the answer means nothing.

@@ -11,17 +11,28 @@
 namespace ccst::repair {
 namespace {
 
+/// Numbers of edges that a caller chose must not all fall into one bucket.
+struct EdgeHash {
+  std::size_t operator()(std::uint64_t key) const {
+    key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9U;
+    key = (key ^ (key >> 27)) * 0x94d049bb133111ebU;
+    return static_cast<std::size_t>(key ^ (key >> 31));
+  }
+};
+
 class ZeroAreaRemoval {
  public:
   ZeroAreaRemoval(const Geometry& geometry, const std::vector<std::int32_t>& positions_of,
-                  LinkedFaces* linked)
+                  LinkedFaces* linked, Interrupt* interrupt)
       : geometry_(geometry),
         positions_of_(positions_of),
         linked_(*linked),
+        interrupt_(*interrupt),
         empty_(linked->faces.size(), 0) {}
 
   ZeroAreaReport Run() {
     for (std::int32_t f = 0; f < linked_.count(); ++f) {
+      if (interrupt_.RequestedAt(f)) return report_;
       empty_[f] = geometry_.HasNoArea(Places(linked_.faces[f]));
       if (empty_[f]) work_.push_back(f);
     }
@@ -30,6 +41,7 @@ class ZeroAreaRemoval {
     DropEmptyPieces();
     CollectEdges();
     while (!work_.empty()) {
+      if (interrupt_.RequestedAfter(1)) return report_;
       const std::int32_t f = work_.front();
       work_.pop_front();
       if (empty_[f] && !dropped_[f]) Remove(f);
@@ -78,6 +90,7 @@ class ZeroAreaRemoval {
     boundary_.assign(positions_of_.size(), 0);
     edges_.reserve(3 * linked_.faces.size() / 2);
     for (std::int32_t s = 0; s < 3 * linked_.count(); ++s) {
+      if (interrupt_.RequestedAt(s)) return;
       if (dropped_[s / 3]) continue;
       if (linked_.links[s] < s) edges_.insert(EdgeKey(linked_.Origin(s), linked_.Target(s)));
       if (linked_.links[s] >= 0) continue;
@@ -185,10 +198,11 @@ class ZeroAreaRemoval {
   const Geometry& geometry_;
   const std::vector<std::int32_t>& positions_of_;
   LinkedFaces& linked_;
+  Interrupt& interrupt_;
   std::vector<std::uint8_t> empty_;
   std::vector<std::uint8_t> dropped_;
   std::vector<std::uint8_t> boundary_;
-  std::unordered_set<std::uint64_t> edges_;
+  std::unordered_set<std::uint64_t, EdgeHash> edges_;
   std::deque<std::int32_t> work_;
   ZeroAreaReport report_;
 };
@@ -196,8 +210,9 @@ class ZeroAreaRemoval {
 }  // namespace
 
 ZeroAreaReport RemoveZeroArea(const Geometry& geometry,
-                              const std::vector<std::int32_t>& positions_of, LinkedFaces* linked) {
-  return ZeroAreaRemoval(geometry, positions_of, linked).Run();
+                              const std::vector<std::int32_t>& positions_of, LinkedFaces* linked,
+                              Interrupt* interrupt) {
+  return ZeroAreaRemoval(geometry, positions_of, linked, interrupt).Run();
 }
 
 }  // namespace ccst::repair

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/interrupt.h"
 #include "core/repair/geometry.h"
 #include "core/repair/linked_faces.h"
 
@@ -19,8 +20,10 @@ struct ZeroAreaReport {
 /// middle vertex is not; a middle vertex on the side of a neighbour splits that neighbour. Needles
 /// (two corners at nearly the same place) stay.
 /// @param[in,out] linked faces by fan. @param positions_of per fan its vertex in `geometry`.
+/// Unfinished when `interrupt` was requested.
 /// Cost O(F) where there is no such face.
 ZeroAreaReport RemoveZeroArea(const Geometry& geometry,
-                              const std::vector<std::int32_t>& positions_of, LinkedFaces* linked);
+                              const std::vector<std::int32_t>& positions_of, LinkedFaces* linked,
+                              Interrupt* interrupt);
 
 }  // namespace ccst::repair

@@ -4,10 +4,11 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
 #include "core/methods/methods.h"
 
-namespace ccst {
+namespace ccst::internal {
 namespace {
 
 constexpr std::int64_t kMaxCount = 1'000'000;
@@ -40,14 +41,18 @@ RelaxationReport Summarise(const RelaxedSamples& relaxed, Interrupt* interrupt) 
 absl::StatusOr<RelaxationReport> RunOtherMethod(
     const Surface& surface, const Density& density, const SamplingOptions& options,
     const std::function<void(const AlternationReport&)>& report, Interrupt* interrupt,
-    Samples* samples) {
+    Interrupt::Clock::duration reserve, Samples* samples) {
   const std::int64_t count = options.sample_count;
   if (count > kMaxCount) {
-    return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kLimitExceeded,
+    return OverLimit({"max_sample_count", kMaxCount, count},
                      absl::StrCat("sample_count is ", count,
                                   "; methods other than CCST take at most ", kMaxCount));
   }
-  MethodControl control{interrupt};
+  // The others have nothing to return before they end.
+  const bool improves =
+      options.method == SamplingMethod::kLloyd || options.method == SamplingMethod::kCcvt;
+  Interrupt improving = interrupt->Earlier(reserve);
+  MethodControl control{improves ? &improving : interrupt};
   std::vector<Eigen::Vector3d> positions;
   control.on_step = [&](const MethodStep& step) {
     AlternationReport state;
@@ -88,17 +93,17 @@ absl::StatusOr<RelaxationReport> RunOtherMethod(
                             RelaxLloyd(surface, density, count, options.seed,
                                        {.max_steps = options.max_iterations}, control));
       Take(surface, relaxed.points, samples);
-      return Summarise(relaxed, interrupt);
+      return Summarise(relaxed, &improving);
     }
     case SamplingMethod::kCcvt: {
       CCST_ASSIGN_OR_RETURN(const RelaxedSamples relaxed,
                             BalanceVoronoi(surface, density, count, options.seed,
                                            {.max_steps = options.max_iterations}, control));
       Take(surface, relaxed.points, samples);
-      return Summarise(relaxed, interrupt);
+      return Summarise(relaxed, &improving);
     }
   }
   return absl::InternalError("no such sampling method");
 }
 
-}  // namespace ccst
+}  // namespace ccst::internal

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -12,26 +11,29 @@
 #include <Eigen/Geometry>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/assert.h"
 #include "core/base/interrupt.h"
 #include "core/base/status.h"
 #include "core/density/density.h"
 #include "core/mesh/attributes.h"
 #include "core/parallel/parallel.h"
 #include "core/quality/distances.h"
-#include "core/sampling/crease_refinement.h"
-#include "core/sampling/density_source.h"
-#include "core/sampling/export.h"
-#include "core/sampling/face_order.h"
-#include "core/sampling/initial_mesh.h"
-#include "core/sampling/initial_points.h"
+#include "core/sampling/input/crease_refinement.h"
+#include "core/sampling/input/density_source.h"
+#include "core/sampling/input/face_order.h"
+#include "core/sampling/input/source_map.h"
+#include "core/sampling/mesh/faults.h"
 #include "core/sampling/other_methods.h"
-#include "core/sampling/plan.h"
-#include "core/sampling/progressive_order.h"
-#include "core/sampling/relaxation.h"
-#include "core/sampling/source_map.h"
+#include "core/sampling/output/export.h"
+#include "core/sampling/output/progressive_order.h"
+#include "core/sampling/relax/relaxation.h"
+#include "core/sampling/start/initial_mesh.h"
+#include "core/sampling/start/initial_points.h"
+#include "core/sampling/start/plan.h"
 #include "core/surface/surface.h"
+#include "core/surface/surface_fault.h"
 
-namespace ccst {
+namespace ccst::internal {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -46,12 +48,13 @@ constexpr std::int64_t kMostNewFaces = 8;
 /// Samples that one thread looks at in one go.
 constexpr std::int64_t kPiece = 4096;
 
+/// Seconds of one thread that a sample takes after the last alternation, and how many threads share
+/// them.
+constexpr double kFinishingSeconds = 1.5e-6;
+constexpr int kFinishingThreads = 4;
+
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-absl::Status OptionError(const std::string& message) {
-  return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kOptionInvalid, message);
 }
 
 SurfaceSummary Summarise(const Surface& surface, const Plan& plan) {
@@ -86,13 +89,16 @@ absl::StatusOr<Start> TryStart(const Surface& surface, const Density& density,
                                std::int64_t* smallest) {
   Start start;
   *smallest = count + 1;
-  CCST_ASSIGN_OR_RETURN(start.plan, MakePlan(surface, density, creases, count, seed, smallest));
+  CCST_ASSIGN_OR_RETURN(start.plan,
+                        MakePlan(surface, density, creases, count, seed, smallest, interrupt));
   CCST_ASSIGN_OR_RETURN(start.samples,
                         DrawInitialPoints(surface, density, start.plan, seed, interrupt, parallel));
   std::vector<std::int32_t> failed;
   const bool several = start.plan.components.size() > 1;
   CCST_ASSIGN_OR_RETURN(start.mesh, BuildInitialMesh(surface, start.plan, start.samples, interrupt,
                                                      several ? &failed : nullptr, parallel));
+  CCST_ASSERT_NO_FAULT(FindFault(start.mesh));
+  CCST_ASSERT_NO_FAULT(FindFault(start.samples, surface));
   if (failed.empty()) return start;
   // Those components get points instead; drawing again changes nothing on the others.
   for (const std::int32_t c : failed) start.plan.MakePoints(c);
@@ -101,33 +107,61 @@ absl::StatusOr<Start> TryStart(const Surface& surface, const Density& density,
   return start;
 }
 
-/// Like TryStart(); when the count is too small for the topology, the error names the next one
-/// that works with this seed.
+/// A count that works is looked for by making starts of at most this many samples, or this many
+/// times those asked for: whoever asks for few does not pay for the millions that a thin surface
+/// would need.
+constexpr std::int64_t kSurelyTried = 20'000;
+constexpr std::int64_t kMostTimesTried = 4;
+
+/// `too_small`, the error of TryStart(), with the smallest count that works with this seed, or as
+/// much as is known of it.
+/// @param next  the next count worth trying.
+absl::Status NameCountThatWorks(const Surface& surface, const Density& density,
+                                const std::vector<Crease>& creases, const absl::Status& too_small,
+                                std::int64_t next, const SamplingOptions& options,
+                                const Parallel& parallel, Interrupt* interrupt) {
+  const auto refuse = [&](const char* what, std::int64_t count) {
+    return MakeError(
+        absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
+        absl::StrCat(too_small.message(), " (", surface.component_areas().size(), " components, ",
+                     surface.boundary_loops().size(), " boundary loops); ", what, count));
+  };
+  constexpr int kMaxTries = 64;
+  const std::int64_t most_tried =
+      std::min(kMaxSampleCount, std::max(kSurelyTried, kMostTimesTried * options.sample_count));
+  for (int attempt = 0; attempt < kMaxTries && next <= most_tried; ++attempt) {
+    const std::int64_t count = next;
+    const absl::Status tried =
+        TryStart(surface, density, creases, count, options.seed, parallel, interrupt, &next)
+            .status();
+    if (tried.ok()) return refuse("the smallest that works is ", count);
+    // That it is too small is known even when the time is up.
+    if (interrupt->cause() == Interrupt::Cause::kTimeLimit) break;
+    if (GetErrorReason(tried) != ErrorReason::kCountTooSmall) return tried;
+  }
+  if (next <= kMaxSampleCount) return refuse("at least this many are needed: ", next);
+  return refuse(
+      "its boundary and creases are so long for its area that they take more than the most "
+      "samples there may be: ",
+      kMaxSampleCount);
+}
+
+/// Like TryStart(); when the count is too small for the topology, the error says which one works.
 absl::StatusOr<Start> MakeStart(const Surface& surface, const Density& density,
                                 const SamplingOptions& options, const Parallel& parallel,
                                 Interrupt* interrupt) {
   std::vector<Crease> creases;
   if (options.crease_angle.has_value()) {
     const double spacing = quality::HexagonalSpacing(surface.area(), options.sample_count);
-    creases = FindCreases(surface, *options.crease_angle, kLeastCrease * spacing);
+    creases = FindCreases(surface, *options.crease_angle, kLeastCrease * spacing, interrupt);
+    if (interrupt->Requested()) return interrupt->Error("creases were looked for");
   }
   std::int64_t next = 0;
   absl::StatusOr<Start> start = TryStart(surface, density, creases, options.sample_count,
                                          options.seed, parallel, interrupt, &next);
-  constexpr int kMaxTries = 64;
-  for (int attempt = 0; attempt < kMaxTries && next <= kMaxSampleCount; ++attempt) {
-    if (start.ok() || GetErrorReason(start.status()) != ErrorReason::kCountTooSmall) return start;
-    const std::int64_t count = next;
-    const absl::StatusOr<Start> other =
-        TryStart(surface, density, creases, count, options.seed, parallel, interrupt, &next);
-    if (absl::IsCancelled(other.status())) return other.status();
-    if (!other.ok()) continue;
-    return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kCountTooSmall,
-                     absl::StrCat(start.status().message(), " (", surface.component_areas().size(),
-                                  " components, ", surface.boundary_loops().size(),
-                                  " boundary loops); the smallest that works is ", count));
-  }
-  return start;
+  if (start.ok() || GetErrorReason(start.status()) != ErrorReason::kCountTooSmall) return start;
+  return NameCountThatWorks(surface, density, creases, start.status(), next, options, parallel,
+                            interrupt);
 }
 
 /// How much wider than r_max samples belong apart, per sample; empty where the density is uniform.
@@ -165,6 +199,20 @@ double RelativeRadius(const Surface& surface, const Samples& samples,
          quality::HexagonalSpacing(surface.area(), samples.count());
 }
 
+std::optional<Clock::time_point> DeadlineOf(const SamplingOptions& options,
+                                            Clock::time_point start) {
+  if (!options.time_limit_seconds.has_value()) return std::nullopt;
+  return Interrupt::DeadlineAfter(start, *options.time_limit_seconds);
+}
+
+/// About what ordering, measuring and exporting the samples takes. Methods that can end at any time
+/// end this much before the time limit.
+Clock::duration FinishingTime(const SamplingOptions& options) {
+  const double seconds = kFinishingSeconds * static_cast<double>(options.sample_count) /
+                         std::min(options.thread_count, kFinishingThreads);
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
 std::vector<std::int32_t> OwnOrder(const Samples& samples) {
   std::vector<std::int32_t> order(samples.position.size());
   std::iota(order.begin(), order.end(), 0);
@@ -183,59 +231,12 @@ std::vector<std::int32_t> OrderSamples(const Surface& surface, const Samples& sa
                           interrupt, parallel);
 }
 
-}  // namespace
-
-int DefaultMaxIterations(SamplingMethod method) {
-  switch (method) {
-    case SamplingMethod::kLloyd:
-      return 100;
-    case SamplingMethod::kCcvt:
-      return 1000;
-    default:
-      return SamplingOptions().max_iterations;
-  }
-}
-
-absl::Status SamplingOptions::Validate() const {
-  if (sample_count < kMinSampleCount || sample_count > kMaxSampleCount) {
-    return OptionError(absl::StrCat("sample_count is ", sample_count, "; it must be in [",
-                                    kMinSampleCount, ", ", kMaxSampleCount, "]"));
-  }
-  if (max_iterations < 0 || max_iterations > kMaxAlternations) {
-    return OptionError(absl::StrCat("max_iterations is ", max_iterations, "; it must be in [0, ",
-                                    kMaxAlternations, "]"));
-  }
-  if (!(relative_tolerance > 0.0) || !std::isfinite(relative_tolerance)) {
-    return OptionError(absl::StrCat("relative_tolerance is ", relative_tolerance,
-                                    "; it must be finite and greater than 0"));
-  }
-  if (time_limit_seconds.has_value() && !(*time_limit_seconds > 0.0)) {
-    return OptionError(
-        absl::StrCat("time_limit_seconds is ", *time_limit_seconds, "; it must be greater than 0"));
-  }
-  if (crease_angle.has_value() && !(*crease_angle > 0.0 && *crease_angle < std::numbers::pi)) {
-    return OptionError(
-        absl::StrCat("crease_angle is ", *crease_angle, "; it must be in (0, pi) radians"));
-  }
-  CCST_RETURN_IF_ERROR(ValidateDensity(density));
-  if (!(weld_tolerance >= 0.0) || !std::isfinite(weld_tolerance)) {
-    return OptionError(absl::StrCat("weld_tolerance is ", weld_tolerance,
-                                    "; it must be a finite length, at least 0"));
-  }
-  if (thread_count < 1) {
-    return OptionError(absl::StrCat("thread_count is ", thread_count, "; it must be at least 1"));
-  }
-  return absl::OkStatus();
-}
-
-absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
-                                             const SamplingOptions& options,
-                                             const RunControl& run) {
+absl::StatusOr<SamplingResult> Run(const TriangleMesh& mesh, const SamplingOptions& options,
+                                   const RunControl& run) {
   CCST_RETURN_IF_ERROR(options.Validate());
   CCST_RETURN_IF_ERROR(CheckAttributes(mesh));
   const Clock::time_point start = Clock::now();
-  // The time limit bounds the relaxation; without initial samples there is nothing to return.
-  Interrupt stop(run.stop);
+  Interrupt stop(run.stop, DeadlineOf(options, start));
   const auto enter = [&](Phase phase) {
     if (run.progress != nullptr) run.progress->OnPhase(phase);
   };
@@ -250,15 +251,15 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   const double spacing = quality::HexagonalSpacing(surface.area(), options.sample_count);
   if (options.method == SamplingMethod::kCcst &&
       RefineCreases(surface, kLargestAtCrease * spacing, kMostNewFaces * options.sample_count,
-                    &repaired)) {
+                    &repaired, &stop)) {
     SortFaces(&repaired, &stop, parallel);
     CCST_ASSIGN_OR_RETURN(surface, Surface::Build(repaired.mesh, &stop, parallel));
   }
+  if (stop.Requested()) return stop.Error("the mesh was prepared");
   const SourceMap sources(mesh, repaired);
   repaired.mesh = {};  // From here on there is the surface.
-  if (stop.Requested()) return absl::CancelledError("stopped before the first samples");
   CCST_ASSIGN_OR_RETURN(const Density density,
-                        MakeDensity(mesh, sources, surface, options.density));
+                        MakeDensity(mesh, sources, surface, options.density, &stop));
   SamplingResult result;
   result.prepare_seconds = SecondsSince(start);
 
@@ -274,14 +275,6 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
     copy.positions = positions;
     run.progress->OnAlternation(copy);
   };
-  std::optional<Clock::time_point> deadline;
-  if (options.time_limit_seconds.has_value()) {
-    // Beyond a year it is no limit, and the clock's range would not hold every double.
-    const double seconds = std::min(*options.time_limit_seconds, 3.2e7);
-    deadline =
-        start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-  }
-
   enter(Phase::kInitializing);
   Start first;
   if (options.method == SamplingMethod::kCcst) {
@@ -294,17 +287,14 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   result.initialise_seconds = SecondsSince(start) - result.prepare_seconds;
 
   enter(Phase::kRelaxing);
-  Interrupt interrupt(run.stop, deadline);
+  const Clock::duration reserve = FinishingTime(options);
   RelaxationReport relaxed;
   if (options.method == SamplingMethod::kCcst) {
-    relaxed = Relax(surface, density, first.plan, options, report, &interrupt, &stop, &first.mesh,
-                    &first.samples);
+    CCST_ASSIGN_OR_RETURN(relaxed, Relax(surface, density, first.plan, options, report, &stop,
+                                         reserve, &first.mesh, &first.samples));
   } else {
-    // The others have nothing to return before they end.
-    const bool improves =
-        options.method == SamplingMethod::kLloyd || options.method == SamplingMethod::kCcvt;
-    CCST_ASSIGN_OR_RETURN(relaxed, RunOtherMethod(surface, density, options, report,
-                                                  improves ? &interrupt : &stop, &first.samples));
+    CCST_ASSIGN_OR_RETURN(
+        relaxed, RunOtherMethod(surface, density, options, report, &stop, reserve, &first.samples));
   }
   result.termination = relaxed.termination;
   result.alternations = relaxed.alternations;
@@ -314,6 +304,9 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
   result.optimise_seconds =
       SecondsSince(start) - result.prepare_seconds - result.initialise_seconds;
 
+  CCST_ASSERT_NO_FAULT(FindFault(surface));
+  CCST_ASSERT_NO_FAULT(FindFault(first.mesh));
+  CCST_ASSERT_NO_FAULT(FindFault(first.samples, surface));
   enter(Phase::kFinalizing);
   std::vector<std::int32_t> order;
   if (!stop.Requested()) {
@@ -328,13 +321,25 @@ absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
     });
   }
   if (stop.Requested()) {
-    // Whoever stops a run waits for neither.
-    result.termination = Termination::kStopped;
+    // Whoever stops a run waits for neither, and a limit is one for these too.
+    result.termination = stop.cause() == Interrupt::Cause::kTimeLimit ? Termination::kTimeLimit
+                                                                      : Termination::kStopped;
     result.relative_radius = 0.0;
     order = OwnOrder(first.samples);
   }
   result.samples = ExportSamples(mesh, sources, first.samples, first.mesh, order, parallel);
   return result;
+}
+
+}  // namespace
+}  // namespace ccst::internal
+
+namespace ccst {
+
+absl::StatusOr<SamplingResult> SampleSurface(const TriangleMesh& mesh,
+                                             const SamplingOptions& options,
+                                             const RunControl& run) {
+  return internal::Run(mesh, options, run);
 }
 
 }  // namespace ccst

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/base/sort_in_runs.h"
 #include "core/spatial/hilbert.h"
 
 namespace ccst {
@@ -47,6 +48,7 @@ std::vector<std::int32_t> HilbertOrder(const std::vector<Eigen::Vector3d>& posit
   // ends[b] is where bucket b begins until its points are dealt out, and where it ends after that.
   std::vector<std::pair<std::uint64_t, std::int32_t>> sorted(n);
   for (std::size_t i = 0; i < n; ++i) {
+    if (interrupt->RequestedAt(static_cast<std::int64_t>(i))) return {};
     sorted[ends[keys[i] >> (48 - kLeadingBits)]++] = {keys[i], static_cast<std::int32_t>(i)};
   }
   std::vector<std::int32_t> order(n);
@@ -55,8 +57,9 @@ std::vector<std::int32_t> HilbertOrder(const std::vector<Eigen::Vector3d>& posit
                        for (std::int64_t b = first; b < last; ++b) {
                          const auto begin = static_cast<std::ptrdiff_t>(b == 0 ? 0 : ends[b - 1]);
                          const auto end = static_cast<std::ptrdiff_t>(ends[b]);
-                         if (end - begin > 1 && Interrupt(stop).Requested()) return;
-                         std::sort(sorted.begin() + begin, sorted.begin() + end);
+                         Interrupt own = stop;
+                         if (end - begin > 1 && own.Requested()) return;
+                         SortInRuns(sorted.begin() + begin, sorted.begin() + end, &own);
                          for (std::ptrdiff_t k = begin; k < end; ++k) {
                            order[k] = sorted[static_cast<std::size_t>(k)].second;
                          }

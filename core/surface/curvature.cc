@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/base/portable_math.h"
 #include "core/surface/frame.h"
 
 namespace ccst {
@@ -135,9 +136,9 @@ PrincipalCurvatures Diagonalise(const Eigen::Matrix<double, 6, 1>& shape,
   const double g = TensorProduct(shape, t2, t2);
   const double mean = 0.5 * (e + g);
   const double half = 0.5 * (e - g);
-  const double spread = std::hypot(half, f);
-  const double angle = 0.5 * std::atan2(f, half);
-  const Eigen::Vector3d larger = std::cos(angle) * t1 + std::sin(angle) * t2;
+  const double spread = PortableHypot(half, f);
+  const double angle = 0.5 * PortableAtan2(f, half);
+  const Eigen::Vector3d larger = PortableCos(angle) * t1 + PortableSin(angle) * t2;
   const Eigen::Vector3d smaller = normal.cross(larger);
   PrincipalCurvatures result{mean + spread, mean - spread, larger, smaller};
   if (std::abs(result.k1) < std::abs(result.k2)) {

@@ -2,10 +2,8 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "core/parallel/parallel.h"
-#include "core/spatial/point_tree.h"
 #include "core/surface/surface.h"
 
 namespace ccst {
@@ -16,9 +14,10 @@ namespace ccst {
 class Projection {
  public:
   /// @param surface  not owned. The discretisation, with about `spacing` between its points, is
-  /// built when it is first needed, by the threads of `parallel` (not owned).
-  Projection(const Surface* surface, double spacing, const Parallel* parallel)
-      : surface_(*surface), spacing_(spacing), parallel_(*parallel) {}
+  /// prepared when it is first needed, by the threads of `parallel` (not owned). Its points are
+  /// made anew for every search: of long, thin faces there may be thousands each. Memory O(F).
+  Projection(const Surface* surface, double spacing, const Parallel* parallel);
+  ~Projection();
 
   /// The point of the surface for `target`, near the host `face`.
   /// @param normal  unit normal wanted there: a point whose normal is 90 degrees or more away lies
@@ -26,19 +25,17 @@ class Projection {
   /// Falls back to the search when following ends more than `tolerance` away; takes what that
   /// finds only if it is closer, on the same side, and following leads back from there to the
   /// host, so that close sheets are not mixed up.
-  /// Cost O(faces crossed), O(log(dense points)) more with the search.
+  /// Cost O(faces crossed), and with the search O(log F + dense points of the faces nearby) more.
   SurfacePoint Project(std::int32_t face, const Eigen::Vector3d& target,
                        const Eigen::Vector3d& normal, double tolerance);
 
  private:
-  void Discretise();
+  class DensePoints;
 
   const Surface& surface_;
   const double spacing_;
   const Parallel& parallel_;
-  std::vector<Eigen::Vector3d> points_;
-  std::vector<std::int32_t> faces_;  // Per point.
-  std::unique_ptr<PointTree> tree_;
+  std::unique_ptr<const DensePoints> dense_;
 };
 
 }  // namespace ccst

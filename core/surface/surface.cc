@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/assert.h"
 #include "core/base/status.h"
 #include "core/mesh/edges.h"
 #include "core/surface/closest_point.h"
@@ -42,8 +43,8 @@ absl::Status CheckPieces(std::int64_t count, const Parallel& parallel, const Che
   return absl::OkStatus();
 }
 
-absl::Status Interrupted() {
-  return absl::CancelledError("stopped while the surface was prepared");
+absl::Status Interrupted(const Interrupt& interrupt) {
+  return interrupt.Error("the surface was prepared");
 }
 
 std::string Describe(const Eigen::Vector3d& p) {
@@ -115,11 +116,11 @@ absl::StatusOr<Surface> Surface::Build(const TriangleMesh& mesh, Interrupt* inte
   }
   CCST_RETURN_IF_ERROR(surface.Connect(parallel, interrupt));
   CCST_RETURN_IF_ERROR(surface.CheckVertices(parallel));
-  if (interrupt->Requested()) return Interrupted();
-  surface.FindComponentsAndLoops();
+  if (interrupt->Requested()) return Interrupted(*interrupt);
+  surface.FindComponentsAndLoops(interrupt);
   surface.shapes_ = VertexShapeTensors(surface.positions_, surface.faces_, corners,
                                        surface.normals_, parallel, interrupt);
-  if (interrupt->Requested()) return Interrupted();
+  if (interrupt->Requested()) return Interrupted(*interrupt);
   return surface;
 }
 
@@ -147,7 +148,7 @@ absl::Status Surface::AddNormals(const CornerSums& corners, const Parallel& para
         for (int k = 0; k < 3; ++k) add(k, normal);
       },
       &normals_);
-  if (interrupt->Requested()) return Interrupted();
+  if (interrupt->Requested()) return Interrupted(*interrupt);
   for (const double area : face_areas_) area_ += area;
   parallel.ForRanges(vertex_count(), kPiece, [&](std::int64_t first, std::int64_t end) {
     for (auto v = static_cast<std::size_t>(first); v < static_cast<std::size_t>(end); ++v) {
@@ -183,7 +184,8 @@ absl::Status Surface::Connect(const Parallel& parallel, Interrupt* interrupt) {
   };
   return CheckPieces(vertex_count(), parallel,
                      [&, stop = *interrupt](std::int32_t first, std::int32_t end) -> absl::Status {
-                       if (Interrupt(stop).Requested()) return Interrupted();
+                       Interrupt own = stop;
+                       if (own.Requested()) return Interrupted(own);
                        absl::Status status;
                        edges.ForEach(first, end, [&](std::span<const std::int32_t> half_edges) {
                          status = pair(half_edges);
@@ -228,11 +230,10 @@ absl::Status Surface::CheckVertices(const Parallel& parallel) {
                      });
 }
 
-void Surface::FindComponentsAndLoops() {
+void Surface::FindComponentsAndLoops(Interrupt* interrupt) {
   face_components_.assign(faces_.size(), -1);
   std::vector<std::int32_t> stack;
-  std::vector<std::int64_t> edges;
-  std::vector<std::int64_t> vertices;
+  std::int64_t seen = 0;
   for (std::int32_t seed = 0; seed < face_count(); ++seed) {
     if (face_components_[seed] >= 0) continue;
     const auto component = static_cast<std::int32_t>(component_areas_.size());
@@ -241,6 +242,7 @@ void Surface::FindComponentsAndLoops() {
     face_components_[seed] = component;
     stack.assign(1, seed);
     while (!stack.empty()) {
+      if (interrupt->RequestedAt(seen++)) return;
       const std::int32_t face = stack.back();
       stack.pop_back();
       component_areas_[component] += face_areas_[face];
@@ -259,6 +261,7 @@ void Surface::FindComponentsAndLoops() {
 
   std::vector<std::uint8_t> visited(twins_.size(), 0);
   for (std::int32_t first = 0; first < 3 * face_count(); ++first) {
+    if (interrupt->RequestedAt(first)) return;
     if (twins_[first] >= 0 || visited[first]) continue;
     BoundaryLoop loop;
     loop.component = face_components_[first / 3];
@@ -274,6 +277,7 @@ void Surface::FindComponentsAndLoops() {
 }
 
 Eigen::Vector3d Surface::NormalAt(std::int32_t face, const Eigen::Vector3d& weights) const {
+  CCST_ASSERT(face >= 0 && face < face_count());
   const Eigen::Vector3i& corner = faces_[face];
   const Eigen::Vector3d sum = weights[0] * normals_[corner[0]] + weights[1] * normals_[corner[1]] +
                               weights[2] * normals_[corner[2]];
@@ -293,6 +297,7 @@ Eigen::Matrix<double, 6, 1> Surface::ShapeAt(std::int32_t face,
 }
 
 SurfacePoint Surface::ClosestOnFace(std::int32_t face, const Eigen::Vector3d& target) const {
+  CCST_ASSERT(face >= 0 && face < face_count());
   const Eigen::Vector3i& corner = faces_[face];
   const Eigen::Vector3d& a = positions_[corner[0]];
   const Eigen::Vector3d& b = positions_[corner[1]];

@@ -106,7 +106,8 @@ class Surface {
                           Interrupt* interrupt);
   absl::Status Connect(const Parallel& parallel, Interrupt* interrupt);
   absl::Status CheckVertices(const Parallel& parallel);
-  void FindComponentsAndLoops();
+  /// Unfinished when `interrupt` was requested.
+  void FindComponentsAndLoops(Interrupt* interrupt);
 
   std::vector<Eigen::Vector3d> positions_;
   std::vector<Eigen::Vector3i> faces_;

@@ -7,6 +7,7 @@ include(GNUInstallDirs)
 # Sampling and every room it may link.
 set(targets)
 foreach(name IN ITEMS base random parallel mesh spatial surface repair density methods quality
+    sampling_types sampling_mesh sampling_input sampling_start sampling_relax sampling_output
     sampling)
   if(NOT TARGET ccst_${name})
     continue()
@@ -23,8 +24,9 @@ install(EXPORT ccst-targets NAMESPACE ccst:: DESTINATION "${package_dir}" COMPON
 
 # The public interface and what it includes.
 foreach(header IN ITEMS base/interrupt.h base/status.h density/image.h
-    mesh/triangle_mesh.h parallel/parallel.h repair/repair.h
-    sampling/run_control.h sampling/sampling.h)
+    mesh/triangle_mesh.h parallel/parallel.h repair/repair.h repair/repair_report.h
+    sampling/energy.h sampling/options.h sampling/result.h sampling/run_control.h
+    sampling/sampling.h)
   get_filename_component(folder "${header}" DIRECTORY)
   install(FILES "${PROJECT_SOURCE_DIR}/core/${header}"
     DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/ccst/core/${folder}" COMPONENT core)

@@ -28,6 +28,10 @@ target_compile_features(ccst_flags INTERFACE cxx_std_20)
 target_compile_options(ccst_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor
   -Woverloaded-virtual -Wimplicit-fallthrough -ffp-contract=off -fno-math-errno
   $<$<BOOL:${CCST_WERROR}>:-Werror>)
+if(CCST_ASSERTIONS)
+  # Ours (core/base/assert.h) and those of the standard library, such as indices of vectors.
+  target_compile_definitions(ccst_flags INTERFACE CCST_ASSERTIONS _GLIBCXX_ASSERTIONS)
+endif()
 if(CCST_SANITIZE)
   # GCC takes instrumented code for uses of what is not initialised.
   target_compile_options(ccst_flags INTERFACE -fsanitize=${CCST_SANITIZE}
@@ -55,6 +59,8 @@ function(ccst_test name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPS;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ccst::flags ${arg_DEPS} GTest::gmock_main GTest::gtest)
+  # A test's own code runs briefly; compiling it with all optimizations takes a quarter longer.
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   set(labels ${arg_LABELS})
   if(NOT labels)
     set(labels unit)

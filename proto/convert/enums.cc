@@ -106,6 +106,8 @@ std::optional<SamplingMethod> FromProto(v1::SamplingMethod method) {
 
 v1::AttributeKind ToProto(AttributeKind kind) {
   switch (kind) {
+    case AttributeKind::kLabel:
+      return v1::ATTRIBUTE_KIND_LABEL;
     case AttributeKind::kScalar:
       return v1::ATTRIBUTE_KIND_SCALAR;
     case AttributeKind::kColor:
@@ -163,6 +165,8 @@ std::optional<AttributeKind> FromProto(v1::AttributeKind kind) {
     case v1::ATTRIBUTE_KIND_UNSPECIFIED:
     case v1::ATTRIBUTE_KIND_SCALAR:
       return AttributeKind::kScalar;
+    case v1::ATTRIBUTE_KIND_LABEL:
+      return AttributeKind::kLabel;
     case v1::ATTRIBUTE_KIND_COLOR:
       return AttributeKind::kColor;
     case v1::ATTRIBUTE_KIND_TEXTURE_COORDINATES:

@@ -1,5 +1,6 @@
 #include "proto/convert/job_request.h"
 
+#include "proto/convert/field_limits.h"
 #include "proto/convert/names.h"
 #include "proto/convert/scalars.h"
 
@@ -49,21 +50,13 @@ void CheckPreview(int count, Violations& violations) {
 std::map<std::string, std::string> LabelsFromProto(
     const google::protobuf::Map<std::string, std::string>& labels, const std::string& path,
     Violations& violations) {
-  if (static_cast<int>(labels.size()) > kMaxLabels) {
-    violations.Add(path, "must be at most " + std::to_string(kMaxLabels), kInvalid);
-    return {};
-  }
-  for (const auto& [key, value] : labels) {
-    if (key.empty() || CountCharacters(key) > kMaxLabel || CountCharacters(value) > kMaxLabel) {
-      violations.Add(path, "must have keys of 1 to 64 characters and values of at most 64",
-                     kInvalid);
-    }
-  }
+  if (labels.contains("")) violations.Add(path, "has an empty key", kInvalid);
   return {labels.begin(), labels.end()};
 }
 
 absl::StatusOr<JobCall> FromProto(const v1::SampleRequest& request, const RequestLimits& limits) {
   Violations violations;
+  CheckFieldLimits(request, violations);
   JobCall call;
   if (request.has_inline_mesh()) {
     const v1::InlineMesh& mesh = request.inline_mesh();
@@ -89,12 +82,12 @@ absl::StatusOr<JobCall> FromProto(const v1::SampleRequest& request, const Reques
 absl::StatusOr<JobCall> FromProto(const v1::CreateJobRequest& request,
                                   const RequestLimits& limits) {
   Violations violations;
+  CheckFieldLimits(request, violations);
   JobCall call;
   const v1::JobSpec& spec = request.spec();
   call.mesh_sha256 = Sha256OfMeshName(spec.mesh(), "spec.mesh", violations);
   call.origin = Origin(spec.has_origin(), spec.origin(), "spec.origin", violations);
   call.options = Options(spec.has_options(), spec.options(), "spec.options", limits, violations);
-  CheckText(request.request_id(), kMaxRequestId, "request_id", violations);
   call.request_id = request.request_id();
   CheckText(request.display_name(), kMaxDisplayName, "display_name", violations);
   call.display_name = request.display_name();

@@ -17,10 +17,6 @@ namespace ccst {
 
 /// Largest `preview_sample_count`.
 inline constexpr int kMaxPreviewSampleCount = 65'536;
-/// Longest `request_id`, most labels and longest key or value [characters].
-inline constexpr std::int64_t kMaxRequestId = 64;
-inline constexpr int kMaxLabels = 16;
-inline constexpr std::int64_t kMaxLabel = 64;
 
 /// A checked `SampleRequest` or `CreateJobRequest`, without the bytes of an inline mesh.
 struct JobCall {
@@ -38,7 +34,8 @@ struct JobCall {
   std::optional<double> abandon_seconds;
 };
 
-/// INVALID_ARGUMENT with all violations, see Violations::ToStatus().
+/// INVALID_ARGUMENT with all violations, see Violations::ToStatus(); those of CheckFieldLimits()
+/// are among them.
 absl::StatusOr<JobCall> FromProto(const v1::SampleRequest& request,
                                   const RequestLimits& limits = {});
 absl::StatusOr<JobCall> FromProto(const v1::CreateJobRequest& request,
@@ -47,7 +44,7 @@ absl::StatusOr<JobCall> FromProto(const v1::CreateJobRequest& request,
 /// Adds to `violations` when `count` is no number of preview points.
 void CheckPreview(int count, Violations& violations);
 
-/// The labels asked for, checked as those of a job.
+/// The labels asked for; adds to `violations` where a key is empty.
 std::map<std::string, std::string> LabelsFromProto(
     const google::protobuf::Map<std::string, std::string>& labels, const std::string& path,
     Violations& violations);

@@ -87,7 +87,6 @@ void AppendAttributes(const v1::SampleChunk& chunk, SampleSet& samples) {
 }  // namespace
 
 std::int64_t SamplesPerChunk(std::span<const Attribute> attributes) {
-  constexpr std::int64_t kMaxChunkBytes = std::int64_t{1} << 20;
   constexpr std::int64_t kHeaderBytes = std::int64_t{16} << 10;  // Names and lengths.
   // A face of at most five bytes, two doubles, six floats.
   std::int64_t sample_bytes = 5 + 2 * 8 + 6 * 4;

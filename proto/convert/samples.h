@@ -9,11 +9,15 @@
 
 namespace ccst {
 
-/// Most samples in a `SampleChunk` and triangles in a `SampleMeshChunk`: under 1 MiB encoded.
-inline constexpr std::int64_t kMaxChunkLength = 16'384;
+/// Most bytes of a message of a stream, encoded: what a reader who takes its time makes the server
+/// keep.
+inline constexpr std::int64_t kMaxChunkBytes = std::int64_t{256} << 10;
 
-/// Most samples with such attributes that a chunk holds within 1 MiB: kMaxChunkLength, or fewer
-/// where there are many.
+/// Most samples in a `SampleChunk` and triangles in a `SampleMeshChunk`, within kMaxChunkBytes.
+inline constexpr std::int64_t kMaxChunkLength = 4096;
+
+/// Most samples with such attributes that a chunk holds within kMaxChunkBytes: kMaxChunkLength, or
+/// fewer where there are many.
 std::int64_t SamplesPerChunk(std::span<const Attribute> attributes);
 
 /// Samples [start, start + count) of `samples`, which must hold them.

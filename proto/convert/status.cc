@@ -4,6 +4,7 @@
 
 #include "absl/strings/cord.h"
 #include "absl/strings/match.h"
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
 
 namespace ccst {
@@ -13,14 +14,6 @@ constexpr char kTypePrefix[] = "type.googleapis.com/";
 
 std::string TypeUrl(const google::protobuf::Message& message) {
   return kTypePrefix + message.GetDescriptor()->full_name();
-}
-
-// Cuts UTF-8 before the first character that would not fit.
-std::string Truncated(std::string_view text) {
-  if (text.size() <= kMaxStatusMessageBytes) return std::string(text);
-  std::size_t end = kMaxStatusMessageBytes;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
-  return std::string(text.substr(0, end));
 }
 
 std::string ReasonOf(const absl::Status& status) {
@@ -42,6 +35,13 @@ std::optional<ErrorReason> ReasonByName(std::string_view name) {
 
 }  // namespace
 
+std::string CutAtCharacter(std::string_view text, std::size_t most) {
+  if (text.size() <= most) return std::string(text);
+  std::size_t end = most;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return std::string(text.substr(0, end));
+}
+
 void SetDetail(const google::protobuf::Message& detail, absl::Status& status) {
   status.SetPayload(TypeUrl(detail), absl::Cord(detail.SerializeAsString()));
 }
@@ -54,13 +54,21 @@ bool GetDetail(const absl::Status& status, google::protobuf::Message& detail) {
 v1::Status ToProto(const absl::Status& status) {
   v1::Status message;
   message.set_code(static_cast<int>(status.code()));
-  message.set_message(Truncated({status.message().data(), status.message().size()}));
+  message.set_message(
+      CutAtCharacter({status.message().data(), status.message().size()}, kMaxStatusMessageBytes));
   v1::ErrorInfo info;
   if (!GetDetail(status, info)) {
     info.set_reason(ReasonOf(status));
     info.set_domain(kErrorDomain);
   }
   message.add_details()->PackFrom(info);
+  if (const auto passed = GetPassedLimit(status)) {
+    v1::LimitViolation violation;
+    violation.set_limit(passed->name);
+    violation.set_limit_value(passed->value);
+    violation.set_requested_value(passed->requested);
+    message.add_details()->PackFrom(violation);
+  }
   const std::string info_url = TypeUrl(info);
   status.ForEachPayload([&](absl::string_view url, const absl::Cord& value) {
     if (url == info_url || !absl::StartsWith(url, kTypePrefix)) return;

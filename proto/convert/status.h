@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "absl/status/status.h"
 #include "ccst/v1/error.pb.h"
@@ -15,6 +16,9 @@ inline constexpr char kErrorDomain[] = "ccst.v1";
 /// Longest `Status.message` sent, in bytes; longer ones are cut at a character boundary.
 inline constexpr std::size_t kMaxStatusMessageBytes = 1024;
 
+/// `text` without what is beyond `most` bytes, cut between two characters of UTF-8.
+std::string CutAtCharacter(std::string_view text, std::size_t most);
+
 /// Attaches `detail` to `status`, which must not be OK; a detail of the same type is replaced.
 /// ToProto() puts it into `Status.details`.
 void SetDetail(const google::protobuf::Message& detail, absl::Status& status);
@@ -23,7 +27,8 @@ void SetDetail(const google::protobuf::Message& detail, absl::Status& status);
 bool GetDetail(const absl::Status& status, google::protobuf::Message& detail);
 
 /// The wire form of a status that is not OK: code, message, an `ErrorInfo` with the reason
-/// inside (CANCELLED or INTERNAL, by the code, for a status without one) and the details set.
+/// inside (CANCELLED or INTERNAL, by the code, for a status without one), a `LimitViolation` where
+/// the status names a limit that was passed, and the details set.
 v1::Status ToProto(const absl::Status& status);
 
 /// The reverse. Details that are not `ErrorInfo` are kept for GetDetail(); a reason this version

@@ -5,6 +5,10 @@
 namespace ccst {
 
 void Violations::Add(const std::string& field, const std::string& description, ErrorReason reason) {
+  if (fields_.field_violations_size() == kMost) {
+    ++left_out_;
+    return;
+  }
   auto* violation = fields_.add_field_violations();
   violation->set_field(field);
   violation->set_description(description);
@@ -31,6 +35,7 @@ absl::Status Violations::ToStatus() const {
     if (!message.empty()) message += "; ";
     message += violation.field() + ": " + violation.description();
   }
+  if (left_out_ > 0) message += "; and " + std::to_string(left_out_) + " more";
   absl::Status status = MakeError(absl::StatusCode::kInvalidArgument, *reason_, message);
   SetDetail(fields_, status);
   if (limit_.has_value()) SetDetail(*limit_, status);

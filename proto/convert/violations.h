@@ -10,9 +10,12 @@
 
 namespace ccst {
 
-/// Collects everything that is wrong with a request, so that the caller learns all of it at once.
+/// Collects everything that is wrong with a request, so that the caller learns all of it at once;
+/// of very many the first kMost, which is what a trailer holds.
 class Violations {
  public:
+  static constexpr int kMost = 20;
+
   /// `field` is a path from the request's root; `description` says what a right value looks like.
   void Add(const std::string& field, const std::string& description,
            ErrorReason reason = ErrorReason::kOptionInvalid);
@@ -29,6 +32,7 @@ class Violations {
   v1::FieldViolations fields_;
   std::optional<v1::LimitViolation> limit_;
   std::optional<ErrorReason> reason_;
+  int left_out_ = 0;
 };
 
 }  // namespace ccst

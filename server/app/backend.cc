@@ -3,11 +3,13 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdlib>
-#include <limits>
 #include <mutex>
 #include <utility>
 
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
+#include "server/base/without_throwing.h"
+#include "server/jobs/memory_estimate.h"
 #include "server/rpc/job_codec.h"
 #include "server/rpc/mesh_messages.h"
 
@@ -20,7 +22,8 @@ constexpr int kDecodingThreads = 2;
 constexpr int kAnalysisThreads = 2;
 constexpr std::size_t kMaxWaitingCalls = 10'000;
 constexpr std::size_t kMaxWaitingHeavy = 64;
-constexpr std::chrono::seconds kTick(5);
+constexpr std::chrono::seconds kTick(1);
+constexpr int kTicksPerSweep = 5;
 // Of an upload that is whole, or of samples to be measured; the caller waits as long.
 constexpr absl::Duration kLongestWaitForMemory = absl::Seconds(30);
 // Servers without a directory of their own on one machine.
@@ -39,12 +42,12 @@ std::string StateDirectory() {
 auto MemoryForMeshes(std::shared_ptr<MemoryBudget> budget, decltype(RunDependencies::count) count,
                      const MeshLimits& limits) {
   return [budget = std::move(budget), count = std::move(count),
-          limits](std::span<const char> bytes) -> absl::StatusOr<std::shared_ptr<void>> {
+          limits](const ByteSource& bytes) -> absl::StatusOr<std::shared_ptr<void>> {
     MeshCounts counts;
-    CCST_ASSIGN_OR_RETURN(counts, count(bytes, static_cast<std::int64_t>(bytes.size()), limits));
-    const std::int64_t wanted = EstimateMemory(counts.vertices, counts.faces, {});
+    CCST_ASSIGN_OR_RETURN(counts, count(bytes, limits));
+    const std::int64_t wanted = EstimateUpload(counts);
     if (wanted > budget->limit_bytes()) {
-      return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kLimitExceeded,
+      return OverLimit({"max_job_memory_bytes", budget->limit_bytes(), wanted},
                        "the mesh may need " + std::to_string(wanted) +
                            " bytes of memory, over max_job_memory_bytes, " +
                            std::to_string(budget->limit_bytes()));
@@ -92,11 +95,8 @@ absl::StatusOr<std::unique_ptr<Backend>> Backend::Open(const ServerOptions& opti
   std::unique_ptr<Backend> backend(new Backend);
   backend->report_ = dependencies.report;
   backend->data_dir_ = options.data_dir;
-  const std::int64_t max_bytes = options.max_data_bytes > 0
-                                     ? options.max_data_bytes
-                                     : std::numeric_limits<std::int64_t>::max();
   CCST_ASSIGN_OR_RETURN(backend->store_,
-                        OpenStore(backend->data_dir_, max_bytes, dependencies.report));
+                        OpenStore(backend->data_dir_, options.MaxDataBytes(), dependencies.report));
   backend->pins_ = std::make_unique<BlobPins>(*backend->store_);
   const JobManagerOptions jobs = options.JobOptions();
   const auto budget = std::make_shared<MemoryBudget>(jobs.memory_budget_bytes);
@@ -107,12 +107,14 @@ absl::StatusOr<std::unique_ptr<Backend>> Backend::Open(const ServerOptions& opti
   RunDependencies run = std::move(dependencies.run);
   run.mesh_limits = options.mesh_limits;
   run.threads_per_job = options.threads_per_job;
+  run.max_seconds = options.request_limits.max_job_seconds;
   CCST_ASSIGN_OR_RETURN(backend->jobs_, JobManager::Start(*backend->store_, *backend->pins_, jobs,
                                                           {.run = run,
                                                            .codec = ProtoJobCodec(),
                                                            .new_id = std::move(dependencies.new_id),
                                                            .observer = dependencies.observer,
-                                                           .budget = budget}));
+                                                           .budget = budget,
+                                                           .report = dependencies.report}));
   backend->analyst_ =
       std::make_unique<JobAnalyst>(*backend->jobs_, backend->store_->blobs(), budget,
                                    std::move(run), kAnalysisThreads, kLongestWaitForMemory);
@@ -126,10 +128,19 @@ void Backend::StartSweeping(std::function<void()> every_tick) {
     std::mutex mutex;
     std::condition_variable_any wake;
     std::unique_lock lock(mutex);
+    int ticks = 0;
     while (!wake.wait_for(lock, stop, kTick, [&] { return stop.stop_requested(); })) {
       if (stop.stop_requested()) return;
+      WithoutThrowing("resuming jobs", [this] {
+        jobs_->Resume();
+        return absl::OkStatus();
+      }).IgnoreError();
+      if (++ticks % kTicksPerSweep != 0) continue;
       every_tick();
-      for (const absl::Status& status : {jobs_->Sweep(), meshes_->DropExpired()}) {
+      const absl::Status jobs = WithoutThrowing("sweeping", [this] { return jobs_->Sweep(); });
+      const absl::Status meshes =
+          WithoutThrowing("sweeping", [this] { return meshes_->DropExpired(); });
+      for (const absl::Status& status : {jobs, meshes}) {
         if (!status.ok()) report_("sweeping failed: " + std::string(status.message()));
       }
     }

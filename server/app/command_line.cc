@@ -1,6 +1,8 @@
 #include "server/app/command_line.h"
 
+#include <algorithm>
 #include <cctype>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -13,14 +15,17 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/printable_text.h"
 #include "core/base/version.h"
 #include "server/app/health_check.h"
+#include "server/app/thread_limits.h"
 #include "server/auth/token.h"
 
 namespace ccst::server {
 namespace {
 
 constexpr int kUsageError = 1;
+constexpr std::int64_t kMaxThreadsLookedAt = 1'000'000;
 constexpr char kReadOnlySuffix[] = ":read-only";
 
 const std::map<std::string, LogFormat> kLogFormats = {{"text", LogFormat::kText},
@@ -99,6 +104,9 @@ class Flags {
 
   void AddServing(ServerOptions& options) {
     Add("listen", options.listen, "HOST:PORT to listen on; port 0 picks a free one");
+    Add("proxy-socket", options.proxy_socket,
+        "Unix socket for a proxy in front, which says whom it connects (PROXY protocol 2); off by "
+        "default");
     Add("data-dir", options.data_dir,
         "Directory for jobs, meshes and results; by default one of the user's")
         ->default_str("$XDG_STATE_HOME/ccst/server");
@@ -106,10 +114,11 @@ class Flags {
         "HOST:PORT that serves /metrics to Prometheus; off by default");
     Add("threads", options.threads_per_job, "Threads a job computes on");
     Add("max-running-jobs", options.runner.max_running_jobs,
-        "Jobs that compute at once; by default running x threads is the number of cores")
+        "Jobs that compute at once; by default running x threads is the number of cores, as far as "
+        "the control group has threads")
         ->default_str("cores / threads");
     Add("drain-timeout", options.drain_timeout_seconds,
-        "Seconds that jobs may go on after SIGTERM");
+        "Seconds that jobs may go on after SIGTERM, SIGINT or SIGHUP");
     Add("log-format", options.log_format, "text or json, on standard error")
         ->transform(CLI::CheckedTransformer(kLogFormats))
         ->default_str("text");
@@ -122,12 +131,24 @@ class Flags {
         "Who vouches for callers (PEM); they then need a certificate");
     Add("auth-token-file", security.auth_token_file,
         "Callers need one of these tokens; lines of --new-token");
-    AddSwitch("insecure", security.insecure, "Let other machines connect without encryption");
+    Add("health-cert", security.health_cert,
+        "Certificate that --health shows where callers need one (PEM); by default --tls-cert");
+    Add("health-key", security.health_key, "Private key of --health-cert (PEM)");
+    AddSwitch("insecure", security.insecure,
+              "Let other machines connect without encryption, also to the metrics");
+    AddSwitch("metrics-insecure", security.metrics_insecure,
+              "Let other machines read the metrics, which are never encrypted");
+    AddSwitch("without-proxy", security.without_proxy,
+              "Let other machines connect without the proxy of deploy/haproxy");
     AddSwitch("reflection", security.reflection,
               "Describe the services to other machines too, not to this one alone");
   }
 
   void AddLimits(ServerOptions& options) {
+    Add("max-connections", options.max_connections,
+        "Connections at once; fewer where the process may have few descriptors, 3 for each");
+    Add("max-connections-per-address", options.max_connections_per_address,
+        "Connections of one address at once, of one /64 network with IPv6");
     Add("max-queued-jobs", options.runner.max_queued_jobs, "Jobs that may wait");
     Add("max-queued-jobs-per-caller", options.runner.max_queued_jobs_per_caller,
         "Jobs of one caller that may wait");
@@ -135,8 +156,16 @@ class Flags {
         "Memory that running jobs, uploads and analyses may need, by estimate; 0 is half of the "
         "machine's");
     Add("max-watchers-per-job", options.max_watchers_per_job, "WatchJob streams of one job");
+    Add("max-stream-bytes", options.streams.most_bytes,
+        "Memory for messages of open streams that their readers have not taken yet; one caller may "
+        "have three quarters");
+    Add("max-write-duration", options.streams.longest_write_seconds,
+        "Seconds after which a stream ends whose reader takes no message");
     Add("job-retention", options.job_retention_seconds, "Seconds that an ended job is kept");
     Add("max-mesh-bytes", options.mesh_limits.max_bytes, "Bytes of an encoded mesh");
+    Add("max-record-bytes", options.records.max_bytes,
+        "Bytes of what is written down of all jobs and meshes, reports of their runs included");
+    Add("max-record-bytes-per-caller", options.records.max_owner_bytes, "The same of one caller's");
     Add("max-data-bytes", options.max_data_bytes,
         "Bytes of all meshes, images and samples together; 0: what the disk has");
     Add("max-stored-mesh-bytes", options.max_stored_mesh_bytes,
@@ -159,7 +188,8 @@ class Flags {
 };
 
 int Fail(const absl::Status& status) {
-  std::fprintf(stderr, "ccst-server: %s\n", std::string(status.message()).c_str());
+  const std::string_view message(status.message().data(), status.message().size());
+  std::fprintf(stderr, "ccst-server: %s\n", PrintableText(message).c_str());
   return kUsageError;
 }
 
@@ -212,6 +242,13 @@ std::variant<Done, ServerOptions> ParseCommandLine(int argc, const char* const* 
   if (!new_token.empty()) return Done{PrintNewToken(new_token)};
   if (app.get_option("--max-running-jobs")->count() == 0) {
     options.runner.max_running_jobs = DefaultMaxRunningJobs(options.threads_per_job);
+    if (const auto left = ThreadsLeftInControlGroup()) {
+      const int fitting = MaxRunningJobsWithin(
+          options, static_cast<int>(std::min<std::int64_t>(*left, kMaxThreadsLookedAt)));
+      // Where none fits, the start says so in words.
+      options.runner.max_running_jobs =
+          std::clamp(options.runner.max_running_jobs, 1, std::max(1, fitting));
+    }
   }
   if (const absl::Status status = options.Validate(); !status.ok()) return Done{Fail(status)};
   if (health) {

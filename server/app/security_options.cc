@@ -26,10 +26,21 @@ absl::Status SecurityOptions::Validate(const std::string& listen,
                  " is open to other machines, and meshes and tokens would travel unencrypted; give "
                  "--tls-cert and --tls-key, listen on 127.0.0.1, or accept it with --insecure");
   }
-  if (!metrics_listen.empty() && !IsLoopback(metrics_listen) && !insecure) {
+  if (!IsLoopback(listen) && !without_proxy) {
+    return Wrong("--listen " + listen +
+                 " is open to other machines without a proxy in between: nothing would limit how "
+                 "often one of them connects and calls, and what they send would reach Debian's "
+                 "gRPC, which has had no security fixes since 2023, with the worst of it filtered "
+                 "alone; put the proxy of deploy/haproxy in front and give it --proxy-socket, or "
+                 "accept it with --without-proxy");
+  }
+  if (!metrics_listen.empty() && !IsLoopback(metrics_listen) && !insecure && !metrics_insecure) {
     return Wrong("--metrics-listen " + metrics_listen +
                  " is open to other machines and never encrypted; listen on 127.0.0.1, or accept "
-                 "it with --insecure");
+                 "it with --metrics-insecure");
+  }
+  if (health_cert.empty() != health_key.empty()) {
+    return Wrong("--health-cert and --health-key go together; one of them is missing");
   }
   return absl::OkStatus();
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -14,11 +15,14 @@
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server_builder.h>
 
+#include "absl/strings/str_cat.h"
 #include "core/base/loopback.h"
 #include "core/base/status.h"
 #include "grpc/health/v1/health.pb.h"
 #include "server/app/system.h"
-#include "server/app/tls_credentials.h"
+#include "server/base/held_clock.h"
+#include "server/base/lost_log_lines.h"
+#include "server/net/descriptor_limit.h"
 
 namespace ccst::server {
 namespace {
@@ -39,11 +43,14 @@ constexpr int kMinClientPingMs = 10'000;
 // Stopped jobs end within 100 ms; this is for their answers to leave.
 constexpr absl::Duration kStopGrace = absl::Seconds(2);
 constexpr std::chrono::milliseconds kShutdownGrace(100);
+// Without a call for so long a connection gives its place back; clients connect again by
+// themselves.
+constexpr int kIdleMs = 600'000;
+// For the last answers to leave.
+constexpr double kFarewellSeconds = 1.0;
+// Exit status of a process that nobody can reach.
+constexpr int kUnreachableStatus = 3;
 constexpr char kReflectionPlugin[] = "proto_server_reflection";
-
-std::string WithPort(const std::string& listen, int port) {
-  return listen.substr(0, listen.rfind(':') + 1) + std::to_string(port);
-}
 
 void SetLimits(const ServerOptions& options, grpc::ServerBuilder& builder) {
   const int receive = static_cast<int>(options.request_limits.max_inline_mesh_bytes +
@@ -60,8 +67,7 @@ void SetLimits(const ServerOptions& options, grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
                              kMinClientPingMs);
-  // Two servers on one port would share its callers by chance.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdleMs);
 }
 
 // Takes reflection away again: its library puts it into every server of the process. What the
@@ -79,7 +85,13 @@ class WithoutReflection final : public grpc::ServerBuilderOption {
 Server::Dependencies Server::RealDependencies(const ServerOptions& options) {
   return {.run = RealRunDependencies(SystemClock(), options.mesh_limits),
           .new_id = NewUuid,
-          .write_log = WriteToStandardError};
+          .write_log = WriteToStandardError,
+          .on_unreachable =
+              [] {
+                FinishLog();  // It says why.
+                std::_Exit(kUnreachableStatus);
+              },
+          .tend_log = TendLog};
 }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options,
@@ -94,10 +106,17 @@ Server::Server(const ServerOptions& options, Dependencies dependencies)
     : options_(options),
       clock_(dependencies.run.clock),
       log_(options.log_format, clock_.now, std::move(dependencies.write_log)),
+      tend_log_(std::move(dependencies.tend_log)),
+      stream_memory_(options.streams),
       backend_dependencies_{.run = std::move(dependencies.run),
                             .new_id = std::move(dependencies.new_id),
                             .observer = &metrics_,
-                            .report = [this](const std::string& text) { log_.Message(text); }} {}
+                            .report = [this](const std::string& text) { log_.Message(text); }},
+      on_unreachable_(std::move(dependencies.on_unreachable)) {
+  // The lines of the log alone say what the machine's clock says.
+  backend_dependencies_.run.clock =
+      HoldJumps(clock_, [this](const std::string& text) { log_.Message(text); });
+}
 
 Server::~Server() {
   metrics_.SetLoadReader({});
@@ -106,31 +125,55 @@ Server::~Server() {
     backend_->jobs().StartDraining();
     backend_->jobs().StopAll();
   }
+  StopTakingCallers();
   if (server_ != nullptr) server_->Shutdown(std::chrono::system_clock::now() + kShutdownGrace);
+  gate_.reset();
+}
+
+void Server::StopTakingCallers() {
+  self_check_.reset();
+  if (gate_ != nullptr) gate_->Close();
 }
 
 absl::Status Server::OpenBackend() {
   CCST_ASSIGN_OR_RETURN(backend_, Backend::Open(options_, std::move(backend_dependencies_)));
   JobManager& jobs = backend_->jobs();
-  sampling_service_ = std::make_unique<SamplingService>(
-      StreamSupport{.calls = calls_, .executor = backend_->streams(), .open = streams_},
-      JobSupport{.jobs = jobs,
-                 .meshes = backend_->meshes(),
-                 .blobs = backend_->store().blobs(),
-                 .pins = backend_->pins(),
-                 .analyst = backend_->analyst(),
-                 .disk = backend_->disk(),
-                 .analyses = backend_->analyses(),
-                 .limits = options_.request_limits});
+  const StreamSupport streams = {
+      .calls = calls_, .executor = backend_->streams(), .open = streams_, .memory = stream_memory_};
+  sampling_service_ =
+      std::make_unique<SamplingService>(streams, JobSupport{.jobs = jobs,
+                                                            .meshes = backend_->meshes(),
+                                                            .blobs = backend_->store().blobs(),
+                                                            .pins = backend_->pins(),
+                                                            .analyst = backend_->analyst(),
+                                                            .disk = backend_->disk(),
+                                                            .analyses = backend_->analyses(),
+                                                            .limits = options_.request_limits});
   const MeshServiceOptions meshes = {.max_inline_mesh_bytes =
                                          options_.request_limits.max_inline_mesh_bytes};
   mesh_service_ = std::make_unique<MeshService>(backend_->meshes(), backend_->disk(),
-                                                backend_->decoding(), calls_, meshes);
+                                                backend_->decoding(), streams, meshes);
   server_info_service_ = std::make_unique<ServerInfoService>(
       jobs, calls_,
-      LimitsToProto(options_.request_limits, options_.MeshOptions(), meshes, jobs.options()));
-  backend_->StartSweeping([this] { streams_.PulseAll(); });
+      LimitsToProto(options_.request_limits, options_.MeshOptions(), meshes, jobs.options(),
+                    options_.streams, options_.MaxDataBytes()));
+  backend_->StartSweeping([this] { Tend(); });
   return absl::OkStatus();
+}
+
+void Server::Tend() {
+  streams_.PulseAll();
+  if (tend_log_) tend_log_();
+  TellOfLostLines();
+}
+
+void Server::TellOfLostLines() {
+  const std::int64_t lost = lost_log_lines;
+  if (lost == told_lost_lines_) return;
+  log_.Message("lost " + std::to_string(lost - told_lost_lines_) +
+               " lines of the log, which nobody read");
+  // Told again, with more, where this line was lost too.
+  if (lost_log_lines == lost) told_lost_lines_ = lost;
 }
 
 absl::Status Server::Listen() {
@@ -138,38 +181,71 @@ absl::Status Server::Listen() {
   grpc::health::v1::HealthCheckRequest::descriptor();
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-  CCST_ASSIGN_OR_RETURN(credentials_, Credentials());
+  CCST_RETURN_IF_ERROR(options_.security.CheckFiles());
+  CCST_RETURN_IF_ERROR(UseTokens());
   CCST_RETURN_IF_ERROR(OpenBackend());
+  CCST_RETURN_IF_ERROR(OpenGate());
   grpc::ServerBuilder builder;
   if (!IsLoopback(options_.listen) && !options_.security.reflection) {
     builder.SetOption(std::make_unique<WithoutReflection>());
   }
-  int port = 0;
-  builder.AddListeningPort(options_.listen, credentials_, &port);
+  // TLS, where there is any, has ended at the gate.
+  acceptor_ = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+      grpc::InsecureServerCredentials());
   builder.RegisterService(sampling_service_.get());
   builder.RegisterService(mesh_service_.get());
   builder.RegisterService(server_info_service_.get());
   SetLimits(options_, builder);
   server_ = builder.BuildAndStart();
-  if (server_ == nullptr || port == 0) {
-    return absl::UnavailableError("cannot listen on " + options_.listen +
-                                  "; the address may be in use or not of this machine");
-  }
-  address_ = WithPort(options_.listen, port);
+  if (server_ == nullptr) return absl::UnavailableError("gRPC does not start");
+  address_ = gate_->address();
   CCST_RETURN_IF_ERROR(ServeMetrics());
   SetServing(true);
+  gate_->Accept();
+  if (on_unreachable_) {
+    self_check_ = std::make_unique<SelfCheck>(
+        SelfCheck::Options{}, [this](double seconds) { return ReachOneself(*gate_, seconds); },
+        [this](const std::string& reason) {
+          log_.Message(
+              absl::StrCat("cannot be reached through its own port, so it ends: ", reason));
+          on_unreachable_();
+        });
+  }
   log_.Message("listening on " + address_);
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> Server::Credentials() {
+absl::Status Server::UseTokens() {
   const SecurityOptions& security = options_.security;
-  const auto report = [this](const std::string& message) { log_.Message(message); };
-  if (!security.auth_token_file.empty()) {
-    CCST_RETURN_IF_ERROR(authenticator_.UseTokens(security.auth_token_file, report));
+  if (security.auth_token_file.empty()) return absl::OkStatus();
+  return authenticator_.UseTokens(security.auth_token_file,
+                                  [this](const std::string& message) { log_.Message(message); });
+}
+
+absl::Status Server::OpenGate() {
+  const std::int64_t descriptors = DescriptorLimit();
+  const GateOptions gate = options_.ConnectionOptions(descriptors);
+  if (gate.max_connections < options_.max_connections) {
+    log_.Message(absl::StrCat("at most ", gate.max_connections, " connections instead of ",
+                              options_.max_connections, ": the process may open ", descriptors,
+                              " descriptors"));
   }
-  if (security.has_tls()) return WatchedTlsCredentials(security.tls, report);
-  return grpc::InsecureServerCredentials();
+  CCST_ASSIGN_OR_RETURN(
+      gate_,
+      ConnectionGate::Open(
+          gate,
+          {.peers = peers_,
+           .hand_over =
+               [this](int socket) {
+                 grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+                 connection.fd = socket;
+                 acceptor_->HandleNewConnection(&connection);
+                 return true;
+               },
+           .count = [this](std::string_view why) { metrics_.CountRefusedConnection(why); },
+           .report = [this](const std::string& line) { log_.Message(line); }}));
+  return absl::OkStatus();
 }
 
 absl::Status Server::ServeMetrics() {
@@ -185,6 +261,12 @@ absl::Status Server::ServeMetrics() {
                       .watchers = jobs.watcher_count(),
                       .memory_bytes = jobs.memory().used_bytes(),
                       .memory_limit_bytes = jobs.memory().limit_bytes(),
+                      .connections = gate_->open(),
+                      .connections_limit = gate_->max_connections(),
+                      .data_bytes = backend_->store().blobs().used_bytes(),
+                      .data_limit_bytes = options_.max_data_bytes,
+                      .record_bytes = backend_->store().AllRecordBytes().value_or(-1),
+                      .record_limit_bytes = options_.records.max_bytes,
                       .storage_bytes = static_cast<std::int64_t>(disk.capacity),
                       .storage_free_bytes = static_cast<std::int64_t>(disk.available)};
   });
@@ -218,7 +300,11 @@ void Server::Drain() {
     jobs.StopAll();
     jobs.WaitUntilIdle(kStopGrace);
   }
+  StopTakingCallers();
   server_->Shutdown(std::chrono::system_clock::now() + kShutdownGrace);
+  gate_->WaitUntilQuiet(kFarewellSeconds);
+  backend_->StopSweeping();
+  Tend();
   log_.Message("drained");
 }
 

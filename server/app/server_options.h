@@ -10,12 +10,21 @@
 #include "server/jobs/job_manager.h"
 #include "server/log/server_log.h"
 #include "server/meshes/mesh_store.h"
+#include "server/net/gate.h"
+#include "server/rpc/stream_memory.h"
 
 namespace ccst::server {
+
+/// Most jobs that may run at once.
+inline constexpr int kMaxRunningJobs = 1024;
 
 /// Everything that can be set about a server.
 struct ServerOptions {
   std::string listen = "127.0.0.1:50051";  ///< HOST:PORT; port 0 picks a free one.
+  /// Path of a Unix socket for a proxy in front; empty: none.
+  std::string proxy_socket;
+  int max_connections = 2048;             ///< >= 1; fewer where there are too few descriptors.
+  int max_connections_per_address = 256;  ///< >= 1
   /// Where jobs, meshes and results are kept; empty: a directory of the user's.
   std::string data_dir;
   std::string metrics_listen;           ///< HOST:PORT of the metrics; empty: none.
@@ -27,10 +36,12 @@ struct ServerOptions {
   MeshLimits mesh_limits = {.max_bytes = std::int64_t{256} << 20};
   std::int64_t max_data_bytes = 0;  ///< Of all meshes, images and samples; 0: what the disk has.
   std::int64_t max_stored_mesh_bytes = std::int64_t{4} << 30;  ///< Of one caller.
-  double mesh_retention_seconds = 7 * 86400.0;                 ///< Of an unused mesh.
+  RecordLimits records;                         ///< What is written down of jobs and meshes.
+  double mesh_retention_seconds = 7 * 86400.0;  ///< Of an unused mesh.
   RunnerOptions runner;
   std::int64_t max_job_memory_bytes = 0;  ///< Of all that run, by estimate; 0: half the machine's.
   int max_watchers_per_job = 1024;
+  StreamLimits streams;
   double job_retention_seconds = 86400.0;  ///< Of an ended job.
   SecurityOptions security;
 
@@ -40,6 +51,11 @@ struct ServerOptions {
   // The parts, as those who need them want them.
   MeshStoreOptions MeshOptions() const;
   JobManagerOptions JobOptions() const;
+  /// @param descriptors  as many as the process may have open; half of few, or all but a thousand,
+  ///                     are for connections.
+  GateOptions ConnectionOptions(std::int64_t descriptors) const;
+  /// `max_data_bytes`, or the largest number where only the disk says.
+  std::int64_t MaxDataBytes() const;
 };
 
 /// As many jobs as keep running x threads within the machine's cores; at least 1.

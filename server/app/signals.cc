@@ -19,6 +19,12 @@ sigset_t Watched() {
   sigaddset(&set, SIGTERM);
   sigaddset(&set, SIGINT);
   sigaddset(&set, kWake);
+  // Under nohup a terminal that goes away shall not matter, and a signal that is blocked is not
+  // ignored any more.
+  struct sigaction hangup = {};
+  if (sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) {
+    sigaddset(&set, SIGHUP);
+  }
   return set;
 }
 

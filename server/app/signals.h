@@ -6,8 +6,9 @@
 
 namespace ccst::server {
 
-/// Takes SIGTERM and SIGINT on a thread of its own: the first wakes Wait(), the second ends the
-/// process at once. Create one, before any other thread starts, so that all inherit the mask.
+/// Takes SIGTERM, SIGINT and, unless it is ignored, SIGHUP on a thread of its own: the first wakes
+/// Wait(), the second ends the process at once. Create one, before any other thread starts, so that
+/// all inherit the mask.
 class Signals {
  public:
   Signals();

@@ -6,14 +6,28 @@
 #include <cstdio>
 #include <random>
 
+#include <unistd.h>
+
 #include "absl/time/clock.h"
 #include "core/base/status.h"
-#include "core/io/draco_header.h"
+#include "core/io/draco_announced.h"
 #include "core/io/draco_mesh.h"
 #include "core/io/image_file.h"
 #include "core/io/samples_digest.h"
+#include "server/app/library_log.h"
+#include "server/base/lost_log_lines.h"
+#include "server/log/log_stream.h"
 
 namespace ccst::server {
+namespace {
+
+// Never taken down: libraries may log until the process is gone.
+LogStream& StandardError() {
+  static LogStream& stream = *new LogStream(STDERR_FILENO);
+  return stream;
+}
+
+}  // namespace
 
 Clock SystemClock() {
   return {.now = [] { return absl::Now(); },
@@ -26,9 +40,17 @@ Clock SystemClock() {
 }
 
 void WriteToStandardError(const std::string& line) {
-  std::fprintf(stderr, "%s\n", line.c_str());
-  std::fflush(stderr);
+  StandardError().Write(line);
+  lost_log_lines = StandardError().lost_lines();
 }
+
+void TendLog() {
+  TendLibraryLog();
+  StandardError().Flush();
+  lost_log_lines = StandardError().lost_lines();
+}
+
+void FinishLog() { StandardError().FlushWithin(std::chrono::seconds(1)); }
 
 std::string NewUuid() {
   std::random_device device;
@@ -42,16 +64,21 @@ std::string NewUuid() {
   return text.data();
 }
 
-absl::StatusOr<MeshCounts> CountDraco(std::span<const char> start, std::int64_t size,
-                                      const MeshLimits& limits) {
-  io::DracoHeader header;
-  CCST_ASSIGN_OR_RETURN(header, io::ReadDracoHeader(start));
-  CCST_RETURN_IF_ERROR(io::CheckDracoCounts(header, static_cast<std::size_t>(size), limits));
-  return MeshCounts{.vertices = header.points, .faces = header.faces};
+absl::StatusOr<MeshCounts> CountDraco(const ByteSource& source, const MeshLimits& limits) {
+  io::DracoAnnouncement announced;
+  CCST_ASSIGN_OR_RETURN(announced, io::ReadDracoAnnouncement(source, limits));
+  const io::DracoMemory memory = io::MemoryOf(announced);
+  return MeshCounts{.vertices = announced.header.points,
+                    .faces = announced.header.faces,
+                    .encoded_bytes = source.size,
+                    .decoder_bytes = memory.decoder_bytes,
+                    .mesh_bytes = memory.mesh_bytes,
+                    .sample_bytes = memory.sample_bytes};
 }
 
 RunDependencies RealRunDependencies(const Clock& clock, const MeshLimits& mesh_limits) {
   return {.count = CountDraco,
+          .image_facts = [](const ByteSource& source) { return ReadImageFacts(source); },
           .decode = DecodeDraco,
           .decode_image = [](std::span<const char> bytes) { return DecodeImage(bytes); },
           .sample = SampleSurface,

@@ -15,6 +15,16 @@ absl::Status Unauthenticated(std::string_view message) {
   return MakeError(absl::StatusCode::kUnauthenticated, ErrorReason::kUnauthenticated, message);
 }
 
+absl::StatusOr<Caller> CallerWithoutToken(const Peer& peer) {
+  if (!peer.certificate.has_value()) {
+    return Caller{.owner = Printable(peer.address), .scope = Scope::kFull};
+  }
+  CCST_RETURN_IF_ERROR(peer.certificate->status());
+  const CertificateIdentity& identity = **peer.certificate;
+  return Caller{
+      .owner = identity.owner, .scope = Scope::kFull, .known = true, .label = identity.label};
+}
+
 }  // namespace
 
 absl::Status Authenticator::UseTokens(const std::string& path,
@@ -29,8 +39,8 @@ absl::Status Authenticator::UseTokens(const std::string& path,
 }
 
 absl::StatusOr<Caller> Authenticator::Authenticate(std::string_view authorization,
-                                                   std::string_view peer) {
-  if (path_.empty()) return Caller{.owner = Printable(peer), .scope = Scope::kFull};
+                                                   const Peer& peer) {
+  if (path_.empty()) return CallerWithoutToken(peer);
   if (authorization.empty()) {
     return Unauthenticated("this server needs a token: authorization: Bearer TOKEN");
   }

@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "server/auth/caller.h"
+#include "server/auth/peer.h"
 #include "server/auth/token.h"
 #include "server/auth/watched_file.h"
 
@@ -17,7 +18,8 @@ namespace ccst::server {
 /// Says who calls. Thread-safe.
 class Authenticator {
  public:
-  /// Without tokens: everybody may do everything, and is called what its connection is.
+  /// Without tokens: everybody may do everything, and is who its certificate says, else its
+  /// address.
   Authenticator() = default;
   Authenticator(const Authenticator&) = delete;
   Authenticator& operator=(const Authenticator&) = delete;
@@ -31,9 +33,10 @@ class Authenticator {
   absl::Status UseTokens(const std::string& path, std::function<void(const std::string&)> report);
 
   /// @param authorization  the call's `authorization` metadata; empty without one.
-  /// @param peer           what the connection is called where there are no tokens.
-  /// @errors UNAUTHENTICATED no token or not a known one
-  absl::StatusOr<Caller> Authenticate(std::string_view authorization, std::string_view peer);
+  /// @param peer           who calls where there are no tokens.
+  /// @errors UNAUTHENTICATED no token or not a known one; without tokens, a certificate that names
+  ///         nobody
+  absl::StatusOr<Caller> Authenticate(std::string_view authorization, const Peer& peer);
 
  private:
   // Reads the file; the tokens stay as they are when it is broken.

@@ -5,7 +5,18 @@
 namespace ccst::server {
 
 Executor::Executor(int thread_count, std::size_t max_waiting) : max_waiting_(max_waiting) {
-  for (int i = 0; i < thread_count; ++i) threads_.emplace_back([this] { Work(); });
+  try {
+    for (int i = 0; i < thread_count; ++i) threads_.emplace_back([this] { Work(); });
+  } catch (...) {
+    // The system has no more threads. Those there are must end: to join them would hang.
+    {
+      MutexLock lock(mutex_);
+      closed_ = true;
+    }
+    changed_.notify_all();
+    threads_.clear();
+    throw;
+  }
 }
 
 Executor::~Executor() {

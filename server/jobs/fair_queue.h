@@ -19,6 +19,7 @@ class FairQueue {
   struct Entry {
     std::shared_ptr<Job> job;
     std::int64_t memory_bytes = 0;
+    bool alone = false;  ///< Nothing else may run beside it.
   };
 
   std::size_t size() const { return size_; }

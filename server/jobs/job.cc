@@ -49,15 +49,16 @@ Job::Job(std::string id, JobSpec spec, const Clock& clock, Post post)
 }
 
 Job::Job(std::string id, JobSpec spec, const Clock& clock, JobView view,
-         std::vector<AlternationReport> reports)
+         absl::StatusOr<std::vector<AlternationReport>> reports)
     : id_(std::move(id)),
       spec_(std::move(spec)),
       clock_(clock),
       create_seconds_(clock.seconds()),
+      history_status_(reports.status()),
       view_(std::move(view)),
       sealed_(true),
       published_(true),
-      reports_(std::move(reports)),
+      reports_(std::move(reports).value_or(std::vector<AlternationReport>())),
       unwatched_since_(create_seconds_) {
   if (!reports_.empty()) view_.last_report = reports_.back();
 }
@@ -123,6 +124,7 @@ bool Job::Cancel(StopCause cause) {
       ++view_.version;
       return true;
     }
+    if (sealed_ && !published_ && late_cause_ != StopCause::kCaller) late_cause_ = cause;
     if (sealed_ || HasEnded(view_.state) || view_.stop_cause != StopCause::kNone) return false;
     view_.stop_cause = cause;
     Advance(cause == StopCause::kDrain ? JobEvent::kDrainEnds : JobEvent::kCancel);
@@ -152,6 +154,7 @@ bool Job::Take() {
     MutexLock lock(mutex_);
     if (!Advance(JobEvent::kTaken)) return false;
     view_.queue_position = 0;
+    view_.error = absl::OkStatus();
     view_.phase = Phase::kPreparing;
     view_.start_time = clock_.now();
     start_seconds_ = clock_.seconds();
@@ -214,6 +217,29 @@ JobView Job::Seal(absl::StatusOr<JobResult> outcome) {
   end.state = NextState(end.state, event).value_or(JobState::kFailed);
   end.end_time = clock_.now();
   return end;
+}
+
+int Job::PutOff(const absl::Status& why) {
+  int count = 0;
+  {
+    MutexLock lock(mutex_);
+    sealed_ = false;
+    if (view_.stop_cause == StopCause::kNone && late_cause_ != StopCause::kNone) {
+      view_.stop_cause = late_cause_;
+      Advance(late_cause_ == StopCause::kDrain ? JobEvent::kDrainEnds : JobEvent::kCancel);
+    }
+    if (view_.stop_cause != StopCause::kNone) return 0;
+    Advance(JobEvent::kPutOff);
+    view_.error = why;
+    view_.phase.reset();
+    view_.start_time.reset();
+    view_.last_report.reset();
+    reports_.clear();
+    preview_ = nullptr;
+    count = ++put_off_count_;
+  }
+  Notify();
+  return count;
 }
 
 void Job::Publish(JobView end) {

@@ -49,7 +49,7 @@ struct JobView {
   int queue_position = 0;
   std::optional<Phase> phase;                    ///< Empty before a worker took it.
   std::optional<AlternationReport> last_report;  ///< Without positions.
-  absl::Status error;                            ///< Not OK when FAILED.
+  absl::Status error;                            ///< Not OK when FAILED, or QUEUED by PutOff().
   StopCause stop_cause = StopCause::kNone;
   std::shared_ptr<const JobResult> result;  ///< Set when SUCCEEDED.
   std::string samples_blob;                 ///< SHA-256 of the blob with the samples.
@@ -74,9 +74,9 @@ class Job : public std::enable_shared_from_this<Job> {
 
   /// A new job, QUEUED. `post` carries news to watchers.
   Job(std::string id, JobSpec spec, const Clock& clock, Post post);
-  /// One that has ended, as it was stored.
+  /// One that has ended, as it was stored; an error in place of reports that are damaged.
   Job(std::string id, JobSpec spec, const Clock& clock, JobView view,
-      std::vector<AlternationReport> reports);
+      absl::StatusOr<std::vector<AlternationReport>> reports);
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
 
@@ -92,6 +92,8 @@ class Job : public std::enable_shared_from_this<Job> {
   /// Report number `index` of the run; empty when there are not so many yet.
   std::optional<AlternationReport> Report(std::size_t index) const;
   std::vector<AlternationReport> Reports() const;
+  /// DATA_LOSS STORAGE_FAILED where the reports of the run are damaged: there are none then.
+  const absl::Status& history_status() const { return history_status_; }
   /// The latest preview; null before the first.
   std::shared_ptr<const JobPreview> Preview() const;
 
@@ -125,6 +127,10 @@ class Job : public std::enable_shared_from_this<Job> {
   /// Decides how the job ends and returns it; what comes later changes nothing any more. Watchers
   /// learn of it from Publish().
   JobView Seal(absl::StatusOr<JobResult> outcome);
+  /// The store fails the run, sealed or not, for the reason `why`: the job is QUEUED again, without
+  /// what the run reported, and shows `why` until it is taken. @return how often that has happened;
+  /// 0 when it was asked to stop meanwhile, and its end is to be sealed as that.
+  int PutOff(const absl::Status& why);
   /// The end is stored: shows it.
   void Publish(JobView end);
 
@@ -139,6 +145,7 @@ class Job : public std::enable_shared_from_this<Job> {
   const Clock& clock_;
   const Post post_;
   const double create_seconds_;
+  const absl::Status history_status_;
   std::stop_source stop_;
   std::atomic<int> preview_sample_count_ = 0;
   std::atomic<bool> news_ = false;
@@ -147,6 +154,9 @@ class Job : public std::enable_shared_from_this<Job> {
   JobView view_ ABSL_GUARDED_BY(mutex_);
   bool sealed_ ABSL_GUARDED_BY(mutex_) = false;     // How it ends is decided,
   bool published_ ABSL_GUARDED_BY(mutex_) = false;  // and shown.
+  // Why it was asked to stop when how it ends was decided already.
+  StopCause late_cause_ ABSL_GUARDED_BY(mutex_) = StopCause::kNone;
+  int put_off_count_ ABSL_GUARDED_BY(mutex_) = 0;
   double start_seconds_ ABSL_GUARDED_BY(mutex_) = 0.0;
   std::vector<AlternationReport> reports_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<const JobPreview> preview_ ABSL_GUARDED_BY(mutex_);

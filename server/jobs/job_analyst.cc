@@ -7,11 +7,13 @@
 #include <utility>
 
 #include "core/base/interrupt.h"
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
 #include "core/repair/repair.h"
-#include "core/sampling/density_source.h"
-#include "core/sampling/source_map.h"
+#include "core/sampling/input/density_source.h"
+#include "core/sampling/input/source_map.h"
 #include "server/jobs/job_input.h"
+#include "server/jobs/memory_estimate.h"
 #include "server/jobs/stored_samples.h"
 
 namespace ccst::server {
@@ -28,8 +30,9 @@ absl::StatusOr<ReferenceSurface> MakeReference(const TriangleMesh& mesh, double 
   CCST_ASSIGN_OR_RETURN(repaired, Repair(mesh, {.weld_tolerance = weld_tolerance}, &interrupt));
   CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, &interrupt));
   CCST_ASSIGN_OR_RETURN(Density made,
-                        MakeDensity(mesh, SourceMap(mesh, repaired), surface, density));
-  return ReferenceSurface(std::move(surface), std::move(made));
+                        internal::MakeDensity(mesh, internal::SourceMap(mesh, repaired), surface,
+                                              density, &interrupt));
+  return ReferenceSurface(std::move(surface), std::move(made), &interrupt);
 }
 
 // There is no surface to measure on: what it would be made of is gone, over limits that were higher
@@ -55,16 +58,25 @@ JobAnalyst::JobAnalyst(const JobManager& jobs, const BlobStore& blobs,
 absl::StatusOr<std::shared_ptr<void>> JobAnalyst::TakeMemory(const Job& job,
                                                              const StoredSamples& stored,
                                                              const std::stop_token& stop) const {
-  auto counts = CountMesh(blobs_, job.spec().mesh_sha256, run_);
-  if (HasNoSurface(counts.status())) {
-    counts = MeshCounts{.vertices = stored.sample_count(), .faces = stored.triangle_count()};
+  auto input = CountInput(blobs_, job.spec(), run_);
+  if (HasNoSurface(input.status())) {
+    // The sample mesh stands in.
+    const std::int64_t vertices = stored.sample_count();
+    const std::int64_t faces = stored.triangle_count();
+    input = InputCounts{.mesh = {.vertices = vertices,
+                                 .faces = faces,
+                                 .mesh_bytes = std::int64_t{sizeof(Eigen::Vector3d)} * vertices +
+                                               std::int64_t{sizeof(Eigen::Vector3i)} * faces}};
   }
-  if (!counts.ok()) return counts.status();
-  SamplingOptions options;
-  options.sample_count = stored.sample_count();
-  // The budget may have become smaller since the job was accepted.
+  if (!input.ok()) return input.status();
   const std::int64_t wanted =
-      std::min(EstimateMemory(counts->vertices, counts->faces, options), budget_->limit_bytes());
+      EstimateAnalysis(*input, job.spec().options.density, stored.sample_count());
+  if (wanted > budget_->limit_bytes()) {
+    return OverLimit({"max_job_memory_bytes", budget_->limit_bytes(), wanted},
+                     "measuring the samples may need " + std::to_string(wanted) +
+                         " bytes of memory, over max_job_memory_bytes, " +
+                         std::to_string(budget_->limit_bytes()));
+  }
   auto grant = budget_->TakeWithin(longest_wait_, wanted, stop);
   if (grant != nullptr) return grant;
   if (stop.stop_requested()) return StoppedOnRequest();
@@ -75,15 +87,15 @@ absl::StatusOr<std::shared_ptr<void>> JobAnalyst::TakeMemory(const Job& job,
 
 absl::StatusOr<std::optional<ReferenceSurface>> JobAnalyst::SurfaceOf(
     const JobSpec& spec, const SampleSet& samples, const std::shared_ptr<void>& grant,
-    const std::stop_token& stop) {
-  Interrupt interrupt(stop);
+    const std::stop_token& stop, std::optional<Interrupt::Clock::time_point> deadline) {
+  Interrupt interrupt(stop, deadline);
   DensityOptions density = spec.options.density;
   auto input =
       LoadInput(spec, run_,
                 {.load = [this](const std::string& sha256) { return ReadWhole(blobs_, sha256); },
                  .decoders = decoders_,
                  .grant = grant},
-                stop);
+                stop, deadline);
   absl::Status failed = input.status();
   if (input.ok()) {
     density.image = std::move(input->image);
@@ -104,6 +116,13 @@ absl::StatusOr<JobFigures> JobAnalyst::Measure(const Job& job, const std::stop_t
   if (!stored.ok()) return stored.status();
   std::shared_ptr<void> grant;
   CCST_ASSIGN_OR_RETURN(grant, TakeMemory(job, *stored, stop));
+  const auto deadline = Interrupt::DeadlineAfter(Interrupt::Clock::now(), run_.max_seconds);
+  Interrupt interrupt(stop, deadline);
+  const auto ended = [&] {
+    return interrupt.cause() == Interrupt::Cause::kTimeLimit
+               ? interrupt.Error("samples were measured")
+               : StoppedOnRequest();
+  };
   SampleSet samples;
   CCST_ASSIGN_OR_RETURN(samples, stored->ReadSamples(0, stored->sample_count()));
   SampleSet mesh;
@@ -113,22 +132,23 @@ absl::StatusOr<JobFigures> JobAnalyst::Measure(const Job& job, const std::stop_t
   const SamplingResult& run = job.View().result->run;
   JobFigures figures;
   figures.distances =
-      quality::MeasureDistances(samples.positions, samples.normals, run.surface.area);
+      quality::MeasureDistances(samples.positions, samples.normals, run.surface.area,
+                                Eigen::Vector3d::Zero(), {}, Parallel(), &interrupt);
+  if (interrupt.Requested()) return ended();
   if (!samples.triangles.empty()) {
     figures.mesh = JobFigures::Mesh{
         .capacity_cv = run.capacity_cv,
         .angles = quality::MeasureAngles(samples.positions, samples.triangles),
         .valences = quality::MeasureValences(stored->sample_count(), samples.triangles)};
   }
-  const auto surface = SurfaceOf(job.spec(), samples, grant, stop);
-  if (stop.stop_requested()) return StoppedOnRequest();
+  const auto surface = SurfaceOf(job.spec(), samples, grant, stop, deadline);
+  if (interrupt.Requested()) return ended();
   if (!surface.ok()) return surface.status();
   if (!surface->has_value()) return figures;
-  Interrupt interrupt(stop);
   const analysis::SampleSetView set = {samples.positions, samples.triangles};
   figures.on_surface = analysis::MeasureSamples(**surface, {&set, 1}, {.surface_distance = false},
                                                 Parallel(), &interrupt);
-  if (interrupt.Requested()) return StoppedOnRequest();
+  if (interrupt.Requested()) return ended();
   return figures;
 }
 

@@ -7,6 +7,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "core/analysis/sample_figures.h"
+#include "core/base/interrupt.h"
 #include "core/quality/distances.h"
 #include "core/quality/sample_mesh_quality.h"
 #include "server/base/executor.h"
@@ -35,9 +36,9 @@ struct JobFigures {
   std::optional<analysis::SampleFigures> on_surface;
 };
 
-/// Measures what ended jobs left. Takes the memory for it from the budget of jobs, by the same
-/// estimate. Computes on the calling thread, decodes on threads of its own. Equal samples give
-/// equal bits. Thread-safe.
+/// Measures what ended jobs left. Takes the memory for it from the budget of jobs, see
+/// EstimateAnalysis(). Computes on the calling thread, decodes on threads of its own. Equal samples
+/// give equal bits. Thread-safe.
 class JobAnalyst {
  public:
   /// `jobs` and `blobs` outlive it.
@@ -46,10 +47,12 @@ class JobAnalyst {
   JobAnalyst(const JobManager& jobs, const BlobStore& blobs, std::shared_ptr<MemoryBudget> budget,
              RunDependencies run, int threads, absl::Duration longest_wait);
 
-  /// Measures the samples of `job`. Cost as analysis::MeasureSamples(), and Repair() of the mesh;
-  /// a stop is answered between the steps, of which the longest takes seconds for a million samples
-  /// or faces.
+  /// Measures the samples of `job`. Cost as analysis::MeasureSamples(), and Repair() of the mesh. A
+  /// stop, and the end of the time that the dependencies allow, are answered within 200 ms for up
+  /// to some million samples and faces.
   /// @errors as JobManager::OpenSamples() | CANCELLED `stop` was requested
+  ///       | INVALID_ARGUMENT LIMIT_EXCEEDED it needs more memory than the budget
+  ///       | DEADLINE_EXCEEDED TIME_LIMIT_EXCEEDED it took longer than any computation may
   ///       | RESOURCE_EXHAUSTED QUEUE_FULL jobs hold the memory for too long, OUT_OF_MEMORY
   absl::StatusOr<JobFigures> Measure(const Job& job, const std::stop_token& stop);
 
@@ -58,7 +61,7 @@ class JobAnalyst {
                                                    const std::stop_token& stop) const;
   absl::StatusOr<std::optional<analysis::ReferenceSurface>> SurfaceOf(
       const JobSpec& spec, const SampleSet& samples, const std::shared_ptr<void>& grant,
-      const std::stop_token& stop);
+      const std::stop_token& stop, std::optional<Interrupt::Clock::time_point> deadline);
 
   const JobManager& jobs_;
   const BlobStore& blobs_;

@@ -2,16 +2,17 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "core/base/interrupt.h"
 #include "core/density/image.h"
 #include "core/mesh/triangle_mesh.h"
 #include "server/base/executor.h"
 #include "server/jobs/job_spec.h"
 #include "server/jobs/run_dependencies.h"
-#include "server/store/blob_store.h"
 
 namespace ccst::server {
 
@@ -33,15 +34,11 @@ struct InputSource {
 
 /// Loads and decodes mesh and image of `spec`. Does not throw.
 /// @errors those of `load` and of the decoders | CANCELLED as soon as `stop` is requested
+///       | DEADLINE_EXCEEDED TIME_LIMIT_EXCEEDED at the `deadline`
 ///       | RESOURCE_EXHAUSTED OUT_OF_MEMORY | INTERNAL
 absl::StatusOr<JobInput> LoadInput(const JobSpec& spec, const RunDependencies& dependencies,
-                                   const InputSource& source, const std::stop_token& stop);
-
-/// What the stored mesh announces. Reads its first bytes, all of them where those do not say.
-/// @errors FAILED_PRECONDITION MESH_MISSING | INVALID_ARGUMENT as `dependencies.count`
-///       | INTERNAL STORAGE_FAILED
-absl::StatusOr<MeshCounts> CountMesh(const BlobStore& blobs, const std::string& sha256,
-                                     const RunDependencies& dependencies);
+                                   const InputSource& source, const std::stop_token& stop,
+                                   std::optional<Interrupt::Clock::time_point> deadline = {});
 
 /// CANCELLED: how a computation ends that was asked to stop.
 absl::Status StoppedOnRequest();

@@ -2,36 +2,50 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "core/base/limit_error.h"
+#include "core/base/printable_text.h"
 #include "core/base/status.h"
+#include "server/jobs/stored_samples.h"
+#include "server/meshes/pinned_blob.h"
 
 namespace ccst::server {
 namespace {
 
 constexpr std::size_t kMaxPosted = std::size_t{1} << 20;
-// Ended jobs whose samples are on their way to the disk, beside those that run.
-constexpr int kStorers = 2;
+// How often the process may die while a job runs.
+constexpr int kMostUncleanEnds = 2;
+// Dropped in one change of the records; others use the store between two of them.
 constexpr int kSweepBatch = 100;
-// What a sample and its two triangles take on the disk, about.
-constexpr std::int64_t kStoredBytesPerSample = 100;
+// An infinite timeout would overflow the clock.
+constexpr absl::Duration kLongestTimeout = absl::Hours(24 * 365);
 
 absl::Status NotFound(const std::string& id) {
   return MakeError(absl::StatusCode::kNotFound, ErrorReason::kNotFound,
                    "there is no job jobs/" + id + ", or not any more");
 }
 
-std::string_view StateName(JobState state) {
-  switch (state) {
-    case JobState::kSucceeded:
-      return "succeeded";
-    case JobState::kFailed:
-      return "failed";
-    case JobState::kCancelled:
-      return "cancelled";
-    default:
-      return "unfinished";
-  }
+absl::Status DamagedSamples(const std::string& name, const std::string& what) {
+  return MakeError(absl::StatusCode::kDataLoss, ErrorReason::kStorageFailed,
+                   absl::StrCat("the samples of ", name, " are lost: ", what,
+                                "; the same request again computes them anew"));
+}
+
+// How a job is listed of which the record cannot be read.
+JobSummary DamagedSummary(const JobRecord& record, const absl::Status& error) {
+  // Damaged text may be no UTF-8, which would damage the whole page.
+  JobSummary summary{.id = PrintableText(record.id), .spec = {}, .view = {}};
+  summary.spec.owner = record.owner;
+  summary.spec.mesh_sha256 = PrintableText(record.mesh_sha256);
+  summary.spec.display_name = PrintableText(record.display_name);
+  summary.view.state = JobState::kFailed;
+  summary.view.error = error;
+  summary.view.create_time = record.create_time;
+  summary.view.expire_time = record.expire_time;
+  return summary;
 }
 
 std::string_view CauseName(StopCause cause) {
@@ -48,6 +62,14 @@ std::string_view CauseName(StopCause cause) {
   return "none";
 }
 
+absl::Status DiedWithServer(int times) {
+  return MakeError(absl::StatusCode::kInternal, ErrorReason::kInternal,
+                   "the server died " + std::to_string(times) +
+                       " times while it ran the job, which it does not run again; the job "
+                       "may need "
+                       "more memory than there is, or meet a fault of the program");
+}
+
 }  // namespace
 
 JobManager::JobManager(Store& store, BlobPins& pins, const JobManagerOptions& options,
@@ -61,16 +83,9 @@ JobManager::JobManager(Store& store, BlobPins& pins, const JobManagerOptions& op
                   ? dependencies_.budget
                   : std::make_shared<MemoryBudget>(options.memory_budget_bytes)),
       notifier_(1, kMaxPosted),
-      decoders_(2 * options.runner.max_running_jobs, kMaxPosted),
-      storers_(kStorers, static_cast<std::size_t>(options.runner.max_running_jobs)) {
-  runner_ = std::make_unique<JobRunner>(
-      options_.runner, budget_,
-      [this](const std::shared_ptr<Job>& job, std::shared_ptr<void> grant) {
-        Run(job, std::move(grant));
-      });
-}
+      runs_(store_, pins_, options_, dependencies_, records_, live_, budget_) {}
 
-JobManager::~JobManager() { runner_ = nullptr; }
+JobManager::~JobManager() = default;
 
 absl::StatusOr<std::unique_ptr<JobManager>> JobManager::Start(Store& store, BlobPins& pins,
                                                               const JobManagerOptions& options,
@@ -79,34 +94,38 @@ absl::StatusOr<std::unique_ptr<JobManager>> JobManager::Start(Store& store, Blob
       new JobManager(store, pins, options, std::move(dependencies)));
   std::vector<JobRecord> unfinished;
   CCST_ASSIGN_OR_RETURN(unfinished, store.UnfinishedJobs());
-  for (const JobRecord& record : unfinished) CCST_RETURN_IF_ERROR(manager->TakeUp(record));
+  for (const JobRecord& record : unfinished) manager->TakeUp(record);
   return manager;
 }
 
-absl::Status JobManager::TakeUp(const JobRecord& record) {
+void JobManager::TakeUp(const JobRecord& record) {
+  const auto report = [this](const std::string& text) {
+    if (dependencies_.report) dependencies_.report(text);
+  };
   auto spec = records_.SpecOf(record);
   if (!spec.ok()) {
-    const absl::Time now = dependencies_.run.clock.now();  // Others shall run nevertheless.
-    return store_.EndJob(records_.Failed(record, spec.status(), now, options_.retention), "");
+    // Others shall run nevertheless, also where even this cannot be stored.
+    const absl::Status ended = store_.EndJob(
+        records_.Failed(record, spec.status(), dependencies_.run.clock.now(), options_.retention),
+        "");
+    if (!ended.ok()) report("jobs/" + record.id + " is lost: " + std::string(ended.message()));
+    return;
   }
   const bool cancelled = record.state == JobState::kCancelling || spec->ends_with_caller;
   const std::shared_ptr<Job> job = NewJob(record.id, *std::move(spec));
   if (cancelled) {
     job->Cancel(StopCause::kCaller);
-    return StoreEnd(*job, job->View());
+    live_.Add(job);
+    runs_.StoreEnd(job).IgnoreError();  // Sweep() tries again.
+  } else if (record.starts >= kMostUncleanEnds) {
+    const absl::Status error = DiedWithServer(record.starts);
+    runs_.EndUnrun(job, error);
+    report(job->name() + " is FAILED: " + std::string(error.message()));
+  } else if (const absl::Status taken = runs_.TakeUp(job, record.starts); !taken.ok()) {
+    runs_.EndUnrun(job, taken);
+  } else if (record.starts > 0) {
+    report(job->name() + " ran when the server died; it runs once more, alone");
   }
-  const auto memory = MemoryOf(job->spec());
-  if (!memory.ok()) {
-    job->Take();
-    return StoreEnd(*job, job->Seal(memory.status()));
-  }
-  {
-    MutexLock lock(mutex_);
-    live_[job->id()] = job;
-  }
-  // The budget may have become smaller since it was accepted.
-  runner_->EnqueueAccepted(job, std::min(*memory, budget_->limit_bytes()));
-  return absl::OkStatus();
 }
 
 std::shared_ptr<Job> JobManager::NewJob(std::string id, JobSpec spec) {
@@ -116,107 +135,110 @@ std::shared_ptr<Job> JobManager::NewJob(std::string id, JobSpec spec) {
       [this](std::function<void()> task) { notifier_.Run(std::move(task)); });
 }
 
-absl::StatusOr<std::int64_t> JobManager::MemoryOf(const JobSpec& spec) const {
-  MeshCounts counts;
-  CCST_ASSIGN_OR_RETURN(counts, CountMesh(store_.blobs(), spec.mesh_sha256, dependencies_.run));
-  return EstimateMemory(counts.vertices, counts.faces, spec.options);
-}
-
 absl::Status JobManager::Check(const JobSpec& spec) const { return AdmittedMemory(spec).status(); }
 
 absl::StatusOr<std::int64_t> JobManager::AdmittedMemory(const JobSpec& spec) const {
   std::int64_t memory = 0;
-  CCST_ASSIGN_OR_RETURN(memory, MemoryOf(spec));
+  CCST_ASSIGN_OR_RETURN(memory, runs_.MemoryOf(spec));
   if (memory <= budget_->limit_bytes()) return memory;
-  return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kLimitExceeded,
+  return OverLimit({"max_job_memory_bytes", budget_->limit_bytes(), memory},
                    "the job may need " + std::to_string(memory) +
                        " bytes of memory, over max_job_memory_bytes, " +
                        std::to_string(budget_->limit_bytes()) +
                        "; ask for fewer samples or send a smaller mesh");
 }
 
-absl::StatusOr<std::shared_ptr<Job>> JobManager::Create(JobSpec spec) {
-  if (!spec.request_id.empty()) {
-    std::optional<JobRecord> earlier;
-    CCST_ASSIGN_OR_RETURN(earlier, store_.FindRequest(spec.owner, spec.request_id));
-    if (earlier.has_value()) return Find(spec.owner, earlier->id);
+absl::StatusOr<std::shared_ptr<Job>> JobManager::Create(const JobSpec& spec) {
+  // Each time another call has dropped a job in between; more often only damage can do that.
+  constexpr int kAttempts = 20;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    std::shared_ptr<Job> job;
+    CCST_ASSIGN_OR_RETURN(job, FindRequest(spec));
+    if (job != nullptr) return job;
+    CCST_ASSIGN_OR_RETURN(job, Accept(spec));
+    if (job != nullptr) return job;
   }
-  std::int64_t memory = 0;
-  CCST_ASSIGN_OR_RETURN(memory, AdmittedMemory(spec));
-  CCST_RETURN_IF_ERROR(store_.blobs().CheckRoom(kStoredBytesPerSample * spec.options.sample_count));
-  auto place = runner_->Reserve(spec.share);
-  if (!place.ok()) return place.status();
-  const JobRecord record =
-      records_.New(dependencies_.new_id(), spec, dependencies_.run.clock.now());
-  if (!spec.skip_cache_lookup) {
-    std::shared_ptr<Job> answered;
-    CCST_ASSIGN_OR_RETURN(answered, AnswerFromCache(record, spec));
-    dependencies_.observer->OnCacheLookup("result", answered != nullptr);
-    if (answered != nullptr) return answered;
+  return MakeError(absl::StatusCode::kDataLoss, ErrorReason::kStorageFailed,
+                   "the record of the job with this request_id is damaged; use a new one");
+}
+
+absl::StatusOr<std::shared_ptr<Job>> JobManager::FindRequest(const JobSpec& spec) {
+  if (spec.request_id.empty()) return nullptr;
+  std::optional<JobRecord> earlier;
+  CCST_ASSIGN_OR_RETURN(earlier, store_.FindRequest(spec.owner, spec.request_id));
+  if (!earlier.has_value()) return nullptr;
+  bool is_same = false;
+  CCST_ASSIGN_OR_RETURN(is_same, records_.IsOf(*earlier, spec));
+  if (!is_same) {
+    return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kRequestInvalid,
+                     "the request_id '" + spec.request_id + "' was used for jobs/" + earlier->id +
+                         ", which has another mesh or other options; use a new one");
   }
-  const std::shared_ptr<Job> job = NewJob(record.id, std::move(spec));
-  {
-    // Found from the moment on that it is stored.
-    MutexLock lock(mutex_);
-    live_[job->id()] = job;
-  }
-  auto stored = store_.AddJob(record);
-  if (!stored.ok() || stored->id != record.id) {
-    MutexLock lock(mutex_);
-    live_.erase(job->id());
-  }
-  if (!stored.ok()) return stored.status();
-  if (stored->id != record.id) return Find(stored->owner, stored->id);
-  runner_->Enqueue(*std::move(place), job, memory);
+  auto job = Find(spec.owner, earlier->id);
+  if (absl::IsNotFound(job.status())) return nullptr;  // Dropped meanwhile.
   return job;
 }
 
-absl::StatusOr<std::shared_ptr<Job>> JobManager::AnswerFromCache(const JobRecord& record,
-                                                                 const JobSpec& spec) {
+absl::StatusOr<std::shared_ptr<Job>> JobManager::Accept(const JobSpec& spec) {
+  std::int64_t memory = 0;
+  CCST_ASSIGN_OR_RETURN(memory, AdmittedMemory(spec));
+  CCST_RETURN_IF_ERROR(store_.blobs().CheckRoom(EstimateStoredBytes(spec.options.sample_count)));
+  auto place = runs_.runner().Reserve(spec.share);
+  if (!place.ok()) return place.status();
+  const JobRecord record =
+      records_.New(dependencies_.new_id(), spec, dependencies_.run.clock.now());
+  CCST_RETURN_IF_ERROR(CheckRecordRoom(
+      store_, spec.owner, BytesOf(record) + record.expected_end_bytes, options_.records));
+  if (!spec.skip_cache_lookup) {
+    std::optional<JobRecord> answered;
+    CCST_ASSIGN_OR_RETURN(answered, AnswerFromCache(record));
+    dependencies_.observer->OnCacheLookup("result", answered.has_value());
+    if (answered.has_value()) {
+      if (answered->id != record.id) return nullptr;
+      auto job = Restore(*answered);
+      if (absl::IsNotFound(job.status())) return nullptr;  // Dropped meanwhile.
+      return job;
+    }
+  }
+  const std::shared_ptr<Job> job = NewJob(record.id, spec);
+  live_.Add(job);  // Found from the moment on that it is stored.
+  auto stored = store_.AddJob(record);
+  if (!stored.ok() || stored->id != record.id) live_.Remove(job->id());
+  if (!stored.ok()) return stored.status();
+  if (stored->id != record.id) return nullptr;
+  runs_.runner().Enqueue(*std::move(place), job, memory);
+  return job;
+}
+
+absl::StatusOr<std::optional<JobRecord>> JobManager::AnswerFromCache(const JobRecord& record) {
   const absl::Time now = dependencies_.run.clock.now();
   std::optional<JobRecord> found;
   CCST_ASSIGN_OR_RETURN(found, store_.FindReusable(record.spec_digest, now));
-  if (!found.has_value()) return nullptr;
+  // What is damaged answers nobody: it is computed again, which heals it.
+  if (!found.has_value() || found->damaged) return std::nullopt;
   const BlobPins::Pin pin(pins_, found->samples_sha256);
-  if (!store_.blobs().Contains(found->samples_sha256)) return nullptr;
-  std::string history;
-  CCST_ASSIGN_OR_RETURN(history, store_.GetHistory(found->id));
-  JobRecord added;
-  CCST_ASSIGN_OR_RETURN(added, store_.AddJob(record));
-  if (added.id != record.id) return Find(spec.owner, added.id);
-  JobRecord ended = record;
-  ended.state = JobState::kSucceeded;
-  ended.start_time = now;
-  ended.end_time = now;
-  ended.expire_time = now + options_.retention;
-  ended.outcome = found->outcome;
-  ended.samples_sha256 = found->samples_sha256;
-  ended.reusable = true;
-  ended.cached = true;
-  CCST_RETURN_IF_ERROR(store_.EndJob(ended, history));
-  return Restore(ended);
+  if (!store_.blobs().Check(found->samples_sha256).ok()) return std::nullopt;
+  const auto history = store_.GetHistory(found->id);
+  if (absl::IsDataLoss(history.status())) return std::nullopt;
+  if (!history.ok()) return history.status();
+  // The history of one that was dropped meanwhile reads as none.
+  std::optional<JobRecord> kept;
+  CCST_ASSIGN_OR_RETURN(kept, store_.GetJob(found->id));
+  if (!kept.has_value()) return std::nullopt;
+  return store_.AddEndedJob(records_.Answered(record, *found, now, options_.retention), *history);
 }
 
 absl::StatusOr<std::shared_ptr<Job>> JobManager::Find(const std::string& owner,
                                                       const std::string& id) {
-  std::shared_ptr<Job> job;
-  {
-    MutexLock lock(mutex_);
-    if (const auto live = live_.find(id); live != live_.end()) {
-      job = live->second;
-    } else if (const auto ended = ended_.find(id); ended != ended_.end()) {
-      job = ended->second.lock();
-    }
-  }
-  if (job != nullptr) {
+  if (std::shared_ptr<Job> job = live_.Find(id); job != nullptr) {
     if (job->spec().owner != owner) return NotFound(id);
     return job;
   }
   std::optional<JobRecord> record;
   CCST_ASSIGN_OR_RETURN(record, store_.GetJob(id));
   if (!record.has_value() || record->owner != owner) return NotFound(id);
-  // Not live and not ended: it was put back while the server drains.
-  if (!HasEnded(record->state)) {
+  // Not live and not ended: it was put back while the server drains, or was never taken up.
+  if (!HasEnded(record->state) && !record->damaged) {
     return MakeError(absl::StatusCode::kUnavailable, ErrorReason::kDraining,
                      "the server is going away; the job goes on when it is back");
   }
@@ -224,21 +246,29 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::Find(const std::string& owner,
 }
 
 absl::StatusOr<std::shared_ptr<Job>> JobManager::Restore(const JobRecord& record) {
-  std::string history;
-  CCST_ASSIGN_OR_RETURN(history, store_.GetHistory(record.id));
-  std::vector<AlternationReport> reports;
-  CCST_ASSIGN_OR_RETURN(reports, records_.ReportsOf(history));
   JobSpec spec;
   CCST_ASSIGN_OR_RETURN(spec, records_.SpecOf(record));
   JobView view;
   CCST_ASSIGN_OR_RETURN(view, records_.ViewOf(record));
+  // A damaged history keeps nobody from the result.
+  const auto history = store_.GetHistory(record.id);
+  if (!history.ok() && !absl::IsDataLoss(history.status())) return history.status();
+  absl::StatusOr<std::vector<AlternationReport>> reports = std::vector<AlternationReport>();
+  if (history.ok()) {
+    reports = records_.ReportsOf(*history);
+  } else {
+    reports = history.status();
+  }
   std::shared_ptr<Job> job = std::make_unique<Job>(
       record.id, std::move(spec), dependencies_.run.clock, std::move(view), std::move(reports));
-  MutexLock lock(mutex_);
-  std::weak_ptr<Job>& known = ended_[record.id];
-  if (auto other = known.lock()) return other;
-  known = job;
-  return job;
+  job = live_.AddStored(job);
+  // One that was dropped meanwhile may lack its history, and whoever dropped it did not find it in
+  // memory to forget it.
+  std::optional<JobRecord> kept;
+  CCST_ASSIGN_OR_RETURN(kept, store_.GetJob(record.id));
+  if (kept.has_value()) return job;
+  live_.Forget(record.id);
+  return NotFound(record.id);
 }
 
 absl::StatusOr<Page<JobSummary>> JobManager::List(const JobFilter& filter, int page_size,
@@ -253,24 +283,22 @@ absl::StatusOr<Page<JobSummary>> JobManager::List(const JobFilter& filter, int p
   CCST_ASSIGN_OR_RETURN(records, store_.ListJobs(stored, page_size, page_token));
   Page<JobSummary> page{.records = {}, .next_token = std::move(records.next_token)};
   for (const JobRecord& record : records.records) {
-    std::shared_ptr<Job> live;
-    {
-      MutexLock lock(mutex_);
-      if (const auto found = live_.find(record.id); found != live_.end()) live = found->second;
-      if (const auto found = unstored_.find(record.id); found != unstored_.end()) {
-        live = found->second;
-      }
-    }
+    const std::shared_ptr<Job> live = live_.FindUnstored(record.id);
     JobSummary summary{.id = record.id, .spec = {}, .view = {}};
     if (live != nullptr) {
       summary.spec = live->spec();
       summary.view = live->View();
     } else {
-      CCST_ASSIGN_OR_RETURN(summary.view, records_.ViewOf(record));
       auto spec = records_.SpecOf(record);
-      // One that is damaged shall not hide the others.
-      if (!spec.ok()) summary.view.error = spec.status();
-      if (spec.ok()) summary.spec = *std::move(spec);
+      auto view = records_.ViewOf(record);
+      const absl::Status readable = spec.ok() ? view.status() : spec.status();
+      if (!readable.ok()) {
+        // One that is damaged must not hide the others, whatever state was asked for.
+        page.records.push_back(DamagedSummary(record, readable));
+        continue;
+      }
+      summary.spec = *std::move(spec);
+      summary.view = *std::move(view);
     }
     const bool put_back = IsPutBack(summary.spec, summary.view);
     const JobState state = put_back ? JobState::kQueued : summary.view.state;
@@ -281,102 +309,37 @@ absl::StatusOr<Page<JobSummary>> JobManager::List(const JobFilter& filter, int p
 }
 
 void JobManager::Stop(Job& job, StopCause cause) {
-  if (runner_->Cancel(job, cause)) dependencies_.observer->OnCancel(CauseName(cause));
+  if (runs_.runner().Cancel(job, cause)) dependencies_.observer->OnCancel(CauseName(cause));
 }
 
 absl::Status JobManager::Cancel(const std::shared_ptr<Job>& job, StopCause cause) {
   // The wish first: a server that is killed between the two must not run the job again. Also of a
   // job that a drain has put back meanwhile; one that has ended stays as it is.
-  if (!job->spec().ends_with_caller) CCST_RETURN_IF_ERROR(store_.MarkCancelling(job->id()));
-  {
-    MutexLock lock(mutex_);
-    if (!live_.contains(job->id())) return absl::OkStatus();
-  }
+  absl::Status marked;
+  if (!job->spec().ends_with_caller) marked = store_.MarkCancelling(job->id());
+  if (live_.FindUnstored(job->id()) == nullptr) return marked;
   Stop(*job, cause);
-  const JobView view = job->View();
-  // What runs is stored when its worker lets go of it.
-  if (!HasEnded(view.state) || view.start_time.has_value()) return absl::OkStatus();
-  return StoreEnd(*job, view);
+  // What runs is stored when its worker lets go of it; what the disk does not take now, by Sweep().
+  runs_.StoreEnd(job).IgnoreError();
+  return marked;
 }
 
-void JobManager::Run(const std::shared_ptr<Job>& job, std::shared_ptr<void> grant) {
-  auto outcome = RunJob(*job, dependencies_.run,
-                        {.source = {.load =
-                                        [this](const std::string& sha256) {
-                                          return ReadWhole(store_.blobs(), sha256);
-                                        },
-                                    .decoders = decoders_,
-                                    .grant = grant},
-                         .observer = *dependencies_.observer});
-  {
-    MutexLock lock(mutex_);
-    ++storing_;
-  }
-  auto finish = [this, job, grant = std::move(grant),
-                 outcome = std::make_shared<absl::StatusOr<JobResult>>(std::move(outcome))] {
-    Finish(job, std::move(*outcome));
-    MutexLock lock(mutex_);
-    --storing_;
-    changed_.notify_all();
-  };
-  // The worker takes the next job while the disk works.
-  if (!storers_.Run(finish)) finish();
-}
-
-void JobManager::Finish(const std::shared_ptr<Job>& job, absl::StatusOr<JobResult> outcome) {
-  SampleSet samples;
-  if (outcome.ok()) samples = std::exchange(outcome->run.samples, {});
-  JobView end = job->Seal(std::move(outcome));
-  end.expire_time = *end.end_time + options_.retention;
-  const bool put_back = IsPutBack(job->spec(), end);
-  absl::Status stored;
-  std::unique_ptr<BlobPins::Pin> pin;
-  if (end.result != nullptr) {
-    auto blob = StoreSamples(samples, end);
-    stored = blob.status();
-    if (blob.ok()) pin = std::make_unique<BlobPins::Pin>(pins_, *blob);
-  }
-  if (stored.ok() && !put_back) stored = StoreEnd(*job, end);
-  if (!stored.ok()) {
-    end.state = JobState::kFailed;
-    end.error = stored;
-    end.result = nullptr;
-    end.samples_blob.clear();
-    // A record needs less room than samples do. Sweep() tries again.
-    stored = StoreEnd(*job, end);
-  }
-  dependencies_.observer->OnEnd(StateName(end.state),
-                                absl::ToDoubleSeconds(*end.end_time - end.create_time));
-  {
-    MutexLock lock(mutex_);
-    live_.erase(job->id());
-    if (!put_back) ended_[job->id()] = job;
-    if (!stored.ok()) unstored_[job->id()] = job;
-  }
-  job->Publish(std::move(end));
-}
-
-absl::StatusOr<std::string> JobManager::StoreSamples(const SampleSet& samples, JobView& end) {
-  std::unique_ptr<BlobWriter> writer;
-  CCST_ASSIGN_OR_RETURN(writer, store_.blobs().NewBlob());
-  CCST_RETURN_IF_ERROR(WriteSamples(samples, *writer));
-  end.samples_blob = writer->Seal();
-  CCST_RETURN_IF_ERROR(writer->Commit());
-  return end.samples_blob;
-}
-
-absl::Status JobManager::StoreEnd(const Job& job, const JobView& end) {
-  CCST_RETURN_IF_ERROR(
-      store_.EndJob(records_.Ended(job, end, options_.retention), records_.History(job)));
-  MutexLock lock(mutex_);
-  live_.erase(job.id());
-  return absl::OkStatus();
+void JobManager::StopAll() {
+  for (int i = runs_.runner().StopAll(); i > 0; --i) dependencies_.observer->OnCancel("drain");
 }
 
 absl::Status JobManager::Delete(const std::string& owner, const std::string& id) {
   std::optional<JobRecord> record;
   CCST_ASSIGN_OR_RETURN(record, store_.GetJob(id));
   if (!record.has_value() || record->owner != owner) return NotFound(id);
+  if (!HasEnded(record->state)) {
+    // It may have ended while the disk was full.
+    if (const auto job = live_.FindUnstored(id); job != nullptr) {
+      CCST_RETURN_IF_ERROR(runs_.StoreEnd(job));
+    }
+    CCST_ASSIGN_OR_RETURN(record, store_.GetJob(id));
+    if (!record.has_value()) return NotFound(id);
+  }
   if (!HasEnded(record->state)) {
     return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kJobNotEnded,
                      "jobs/" + id + " has not ended; cancel it first");
@@ -386,15 +349,13 @@ absl::Status JobManager::Delete(const std::string& owner, const std::string& id)
 
 absl::Status JobManager::DeleteRecord(const JobRecord& record) {
   CCST_RETURN_IF_ERROR(store_.DeleteJob(record.id));
-  {
-    MutexLock lock(mutex_);
-    ended_.erase(record.id);
-  }
+  live_.Forget(record.id);
+  absl::Status dropped;
   for (const std::string* blob :
        {&record.samples_sha256, &record.texture_sha256, &record.mesh_sha256}) {
-    CCST_RETURN_IF_ERROR(pins_.Drop(*blob));
+    dropped.Update(pins_.Drop(*blob));
   }
-  return absl::OkStatus();
+  return dropped;
 }
 
 absl::StatusOr<StoredSamples> JobManager::OpenSamples(const Job& job) const {
@@ -407,9 +368,20 @@ absl::StatusOr<StoredSamples> JobManager::OpenSamples(const Job& job) const {
     return MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kJobHasNoSamples,
                      job.name() + " failed or was cancelled");
   }
-  std::shared_ptr<const Blob> blob;
-  CCST_ASSIGN_OR_RETURN(blob, store_.blobs().Open(view.samples_blob));
-  return StoredSamples::Open(std::move(blob));
+  const auto blob = OpenPinned(store_.blobs(), pins_, view.samples_blob);
+  if (absl::IsNotFound(blob.status())) {
+    std::optional<JobRecord> record;
+    CCST_ASSIGN_OR_RETURN(record, store_.GetJob(job.id()));
+    return record.has_value() ? DamagedSamples(job.name(), "their file is gone")
+                              : NotFound(job.id());
+  }
+  if (!blob.ok()) return blob.status();
+  auto stored = StoredSamples::Open(*blob);
+  absl::Status whole = stored.status();
+  if (stored.ok() && !stored->has_sums()) whole = store_.blobs().Check(view.samples_blob);
+  if (whole.ok()) return stored;
+  (*blob)->Doubt();
+  return absl::IsDataLoss(whole) ? DamagedSamples(job.name(), std::string(whole.message())) : whole;
 }
 
 absl::StatusOr<std::int64_t> JobManager::Watch(Job& job, std::function<void()> watcher,
@@ -417,9 +389,10 @@ absl::StatusOr<std::int64_t> JobManager::Watch(Job& job, std::function<void()> w
   const auto id =
       job.AddWatcher(std::move(watcher), preview_sample_count, options_.max_watchers_per_job);
   if (!id.has_value()) {
-    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQuotaExceeded,
-                     job.name() + " has " + std::to_string(options_.max_watchers_per_job) +
-                         " watchers, which is max_watchers_per_job");
+    return OverQuota(
+        {"max_watchers_per_job", options_.max_watchers_per_job, options_.max_watchers_per_job + 1},
+        job.name() + " has " + std::to_string(options_.max_watchers_per_job) +
+            " watchers, which is max_watchers_per_job");
   }
   MutexLock lock(mutex_);
   ++watchers_;
@@ -434,46 +407,46 @@ void JobManager::Unwatch(Job& job, std::int64_t watcher) {
 }
 
 absl::Status JobManager::Sweep() {
-  std::vector<std::shared_ptr<Job>> live;
-  std::vector<std::shared_ptr<Job>> unstored;
-  {
-    MutexLock lock(mutex_);
-    for (const auto& [id, job] : live_) live.push_back(job);
-    for (const auto& [id, job] : unstored_) unstored.push_back(job);
-    std::erase_if(ended_, [](const auto& entry) { return entry.second.expired(); });
-  }
-  for (const auto& job : unstored) {
-    const JobView end = job->View();
-    if (!HasEnded(end.state)) continue;  // Its end is about to be published.
-    CCST_RETURN_IF_ERROR(StoreEnd(*job, end));
-    MutexLock lock(mutex_);
-    unstored_.erase(job->id());
-  }
-  for (const auto& job : live) {
+  live_.Tidy();
+  absl::Status first = DropExpired();  // Makes room for the rest.
+  first.Update(runs_.StoreEnds());
+  for (const auto& job : live_.Unstored()) {
     const auto& abandon_seconds = job->spec().abandon_seconds;
     if (abandon_seconds.has_value() && job->UnwatchedSeconds() > *abandon_seconds) {
-      CCST_RETURN_IF_ERROR(Cancel(job, StopCause::kAbandoned));
+      first.Update(Cancel(job, StopCause::kAbandoned));
     }
   }
-  std::vector<std::string> expired;
-  CCST_ASSIGN_OR_RETURN(expired, store_.ExpiredJobs(dependencies_.run.clock.now(), kSweepBatch));
-  for (const std::string& id : expired) {
-    std::optional<JobRecord> record;
-    CCST_ASSIGN_OR_RETURN(record, store_.GetJob(id));
-    if (record.has_value()) CCST_RETURN_IF_ERROR(DeleteRecord(*record));
-  }
-  return absl::OkStatus();
+  Resume();
+  return first;
+}
+
+absl::Status JobManager::DropExpired() {
+  absl::Status first;
+  std::vector<DroppedJob> dropped;
+  do {
+    auto batch = store_.DropExpiredJobs(dependencies_.run.clock.now(), kSweepBatch);
+    if (!batch.ok()) {
+      first.Update(batch.status());
+      return first;
+    }
+    dropped = *std::move(batch);
+    std::set<std::string> blobs;
+    for (const DroppedJob& job : dropped) {
+      live_.Forget(job.id);
+      blobs.insert(job.blobs.begin(), job.blobs.end());
+    }
+    for (const std::string& sha256 : blobs) first.Update(pins_.Drop(sha256));
+  } while (!dropped.empty());
+  return first;
 }
 
 bool JobManager::WaitUntilIdle(absl::Duration timeout) {
   const auto deadline = std::chrono::steady_clock::now() +
-                        absl::ToChronoNanoseconds(std::min(timeout, absl::Hours(24 * 365)));
-  if (!runner_->WaitUntilIdle(timeout)) return false;
+                        absl::ToChronoNanoseconds(std::min(timeout, kLongestTimeout));
+  if (!runs_.WaitUntilIdle(timeout)) return false;
   MutexLock lock(mutex_);
-  while (storing_ > 0 || watchers_ > 0) {
-    if (changed_.wait_until(mutex_, deadline) == std::cv_status::timeout) {
-      return storing_ == 0 && watchers_ == 0;
-    }
+  while (watchers_ > 0) {
+    if (changed_.wait_until(mutex_, deadline) == std::cv_status::timeout) return watchers_ == 0;
   }
   return true;
 }

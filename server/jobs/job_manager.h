@@ -2,8 +2,8 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,33 +13,17 @@
 #include "server/base/executor.h"
 #include "server/base/mutex.h"
 #include "server/jobs/job.h"
+#include "server/jobs/job_manager_options.h"
 #include "server/jobs/job_records.h"
 #include "server/jobs/job_runner.h"
+#include "server/jobs/job_runs.h"
+#include "server/jobs/live_jobs.h"
 #include "server/jobs/memory_budget.h"
-#include "server/jobs/run_job.h"
 #include "server/jobs/stored_samples.h"
 #include "server/meshes/blob_pins.h"
 #include "server/store/store.h"
 
 namespace ccst::server {
-
-/// Bounds on jobs.
-struct JobManagerOptions {
-  RunnerOptions runner;
-  int max_watchers_per_job = 1024;
-  absl::Duration retention = absl::Hours(24);  ///< Of an ended job.
-  std::int64_t memory_budget_bytes = std::int64_t{4} << 30;
-};
-
-/// What jobs are made of beside the store.
-struct JobManagerDependencies {
-  RunDependencies run;
-  JobCodec codec;
-  std::function<std::string()> new_id;
-  JobObserver* observer = nullptr;  ///< Not owned.
-  /// Shared with others that need memory; null: one of its own, with `memory_budget_bytes`.
-  std::shared_ptr<MemoryBudget> budget = nullptr;
-};
 
 /// A job as it is listed.
 struct JobSummary {
@@ -49,8 +33,9 @@ struct JobSummary {
 };
 
 /// Accepts, runs, stores and finds jobs. What Create() returned is durable: a job that has not
-/// ended is run again by the next Start() on the same store, and gives the same samples. Calls
-/// block on the disk unless said otherwise. Thread-safe.
+/// ended is run again by the next Start() on the same store, and gives the same samples; one that
+/// ran twice when the process died is FAILED instead. Calls block on the disk unless said
+/// otherwise. Thread-safe.
 class JobManager {
  public:
   /// Takes up what an earlier process left. Errors as Store.
@@ -66,10 +51,15 @@ class JobManager {
   /// Accepts a job, or returns the one accepted before for the same request_id. The caller holds
   /// pins on mesh and texture.
   /// @errors INVALID_ARGUMENT LIMIT_EXCEEDED it needs more memory than the budget | what the mesh
-  ///         announces is over the limits | FAILED_PRECONDITION MESH_MISSING
-  ///       | RESOURCE_EXHAUSTED QUEUE_FULL | QUOTA_EXCEEDED | UNAVAILABLE DRAINING
+  ///         announces is over the limits | FAILED_PRECONDITION MESH_MISSING | as FindRequest()
+  ///       | RESOURCE_EXHAUSTED QUEUE_FULL | QUOTA_EXCEEDED | STORAGE_FULL | UNAVAILABLE DRAINING
   ///       | those of Store
-  absl::StatusOr<std::shared_ptr<Job>> Create(JobSpec spec);
+  absl::StatusOr<std::shared_ptr<Job>> Create(const JobSpec& spec);
+
+  /// The job accepted before for the request_id of `spec`; null when there is none. It is found
+  /// whatever has become of its mesh and of the room for new jobs.
+  /// @errors INVALID_ARGUMENT REQUEST_INVALID that job is of another spec | those of Store
+  absl::StatusOr<std::shared_ptr<Job>> FindRequest(const JobSpec& spec);
 
   /// What Create() would refuse of the spec itself.
   absl::Status Check(const JobSpec& spec) const;
@@ -81,7 +71,8 @@ class JobManager {
   absl::StatusOr<Page<JobSummary>> List(const JobFilter& filter, int page_size,
                                         const std::string& page_token);
 
-  /// Asks a job to stop, durably; nothing happens to one that has ended.
+  /// Asks a job to stop, durably; nothing happens to one that has ended. It stops also where that
+  /// cannot be stored, which is an error.
   absl::Status Cancel(const std::shared_ptr<Job>& job, StopCause cause);
 
   /// Asks a job to stop; does not block, and does not survive a crash without Cancel().
@@ -90,7 +81,8 @@ class JobManager {
   /// NOT_FOUND | FAILED_PRECONDITION JOB_NOT_ENDED.
   absl::Status Delete(const std::string& owner, const std::string& id);
 
-  /// FAILED_PRECONDITION JOB_NOT_ENDED | JOB_HAS_NO_SAMPLES | those of Store.
+  /// FAILED_PRECONDITION JOB_NOT_ENDED | JOB_HAS_NO_SAMPLES | NOT_FOUND it was dropped meanwhile
+  /// | DATA_LOSS STORAGE_FAILED they are damaged or gone | those of Store.
   absl::StatusOr<StoredSamples> OpenSamples(const Job& job) const;
 
   /// Watches `job`, see Job::AddWatcher(). Does not block.
@@ -99,21 +91,22 @@ class JobManager {
                                      int preview_sample_count);
   void Unwatch(Job& job, std::int64_t watcher);
 
-  /// Cancels what nobody watches any more, drops what has expired and stores the ends that the
-  /// disk did not take before; called now and then.
+  /// Drops what has expired, stores the ends that the disk did not take before, cancels what nobody
+  /// watches any more, and lets jobs run that wait for the store; called now and then. Each is done
+  /// whatever becomes of the others; the first error.
   absl::Status Sweep();
+  /// The last of it, which costs little; called every second or so.
+  void Resume() { runs_.Resume(); }
 
-  void StartDraining() { runner_->StartDraining(); }
-  bool draining() const { return runner_->draining(); }
-  /// Waits until nothing waits, runs or is being stored or watched; false when `timeout` passed
-  /// before.
+  void StartDraining() { runs_.StartDraining(); }
+  bool draining() const { return runs_.runner().draining(); }
+  /// Waits until nothing waits for a worker, runs or is being stored or watched; false when
+  /// `timeout` passed before.
   bool WaitUntilIdle(absl::Duration timeout);
   /// Asks all jobs to stop; those that do not end with their caller are run by the next Start().
-  void StopAll() {
-    for (int i = runner_->StopAll(); i > 0; --i) dependencies_.observer->OnCancel("drain");
-  }
+  void StopAll();
 
-  RunnerLoad Load() const { return runner_->Load(); }
+  RunnerLoad Load() const { return runs_.runner().Load(); }
   const MemoryBudget& memory() const { return *budget_; }
   int watcher_count() const;
 
@@ -121,20 +114,22 @@ class JobManager {
   JobManager(Store& store, BlobPins& pins, const JobManagerOptions& options,
              JobManagerDependencies dependencies);
 
-  absl::Status TakeUp(const JobRecord& record);
-  absl::StatusOr<std::int64_t> MemoryOf(const JobSpec& spec) const;
-  // MemoryOf() where the budget allows it.
+  void TakeUp(const JobRecord& record);
+  // JobRuns::MemoryOf() where the budget allows it.
   absl::StatusOr<std::int64_t> AdmittedMemory(const JobSpec& spec) const;
   std::shared_ptr<Job> NewJob(std::string id, JobSpec spec);
-  absl::StatusOr<std::shared_ptr<Job>> AnswerFromCache(const JobRecord& record,
-                                                       const JobSpec& spec);
+  // A new job; null when another call with its request_id was first, or when the job, answered from
+  // the cache, is dropped at once.
+  absl::StatusOr<std::shared_ptr<Job>> Accept(const JobSpec& spec);
+  // `record` as it is stored when an equal spec answers it, or the job that was first with its
+  // request_id; empty when nothing answers it.
+  absl::StatusOr<std::optional<JobRecord>> AnswerFromCache(const JobRecord& record);
+  // The ended job of `record`, with its history; NOT_FOUND when it is dropped meanwhile.
   absl::StatusOr<std::shared_ptr<Job>> Restore(const JobRecord& record);
 
-  void Run(const std::shared_ptr<Job>& job, std::shared_ptr<void> grant);
-  void Finish(const std::shared_ptr<Job>& job, absl::StatusOr<JobResult> outcome);
-  absl::StatusOr<std::string> StoreSamples(const SampleSet& samples, JobView& end);
-  absl::Status StoreEnd(const Job& job, const JobView& end);
   absl::Status DeleteRecord(const JobRecord& record);
+  // Whatever has expired, in batches.
+  absl::Status DropExpired();
 
   Store& store_;
   BlobPins& pins_;
@@ -143,21 +138,15 @@ class JobManager {
   const JobRecords records_;
   const std::shared_ptr<MemoryBudget> budget_;
 
+  LiveJobs live_;
+
   mutable Mutex mutex_;
   CondVar changed_;
-  // Jobs that have not ended, and those ended ones that somebody looks at.
-  std::map<std::string, std::shared_ptr<Job>> live_ ABSL_GUARDED_BY(mutex_);
-  std::map<std::string, std::weak_ptr<Job>> ended_ ABSL_GUARDED_BY(mutex_);
-  // Ended, but the disk did not take it: their records say that they wait.
-  std::map<std::string, std::shared_ptr<Job>> unstored_ ABSL_GUARDED_BY(mutex_);
   int watchers_ ABSL_GUARDED_BY(mutex_) = 0;
-  int storing_ ABSL_GUARDED_BY(mutex_) = 0;
 
   // In this order: what goes first is used by what was made before it.
   Executor notifier_;
-  Executor decoders_;
-  Executor storers_;
-  std::unique_ptr<JobRunner> runner_;
+  JobRuns runs_;
 };
 
 }  // namespace ccst::server

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "absl/cleanup/cleanup.h"
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
 
 namespace ccst::server {
@@ -27,9 +29,21 @@ JobRunner::JobRunner(const RunnerOptions& options, std::shared_ptr<MemoryBudget>
     changed_.notify_all();
   });
   workers_.reserve(static_cast<std::size_t>(options_.max_running_jobs));
+  // Where the system has no more threads, those there are must end: to join them would hang.
+  const auto close = [this] {
+    {
+      MutexLock lock(mutex_);
+      closed_ = true;
+    }
+    changed_.notify_all();
+    workers_.clear();
+    budget_->SetOnRelease(nullptr);
+  };
+  auto close_unless_all_are_there = absl::MakeCleanup(close);
   for (int i = 0; i < options_.max_running_jobs; ++i) {
     workers_.emplace_back([this] { Work(); });
   }
+  std::move(close_unless_all_are_there).Cancel();
 }
 
 JobRunner::~JobRunner() {
@@ -51,18 +65,23 @@ absl::StatusOr<JobRunner::Place> JobRunner::Reserve(const std::string& share) {
   }
   const auto running = static_cast<std::size_t>(options_.max_running_jobs);
   const std::size_t taken =
-      queue_.size() + running_.size() + static_cast<std::size_t>(reserved_count_);
+      queue_.size() + held_.size() + running_.size() + static_cast<std::size_t>(reserved_count_);
   if (taken >= running + static_cast<std::size_t>(options_.max_queued_jobs)) {
-    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQueueFull,
-                     "all " + std::to_string(running) + " places to run and " +
-                         std::to_string(options_.max_queued_jobs) + " to wait are taken");
+    absl::Status full =
+        MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQueueFull,
+                  "all " + std::to_string(running) + " places to run and " +
+                      std::to_string(options_.max_queued_jobs) + " to wait are taken");
+    SetPassedLimit({"max_queued_jobs", options_.max_queued_jobs, options_.max_queued_jobs + 1},
+                   full);
+    return full;
   }
   const auto reserved = reserved_.find(share);
   const std::size_t own =
-      queue_.CountOf(share) +
+      WaitingOf(share) +
       (reserved == reserved_.end() ? 0 : static_cast<std::size_t>(reserved->second));
   if (own >= running + static_cast<std::size_t>(options_.max_queued_jobs_per_caller)) {
-    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQuotaExceeded,
+    return OverQuota({"max_queued_jobs_per_caller", options_.max_queued_jobs_per_caller,
+                      options_.max_queued_jobs_per_caller + 1},
                      "the caller has " + std::to_string(own) + " jobs waiting, of at most " +
                          std::to_string(options_.max_queued_jobs_per_caller));
   }
@@ -92,6 +111,30 @@ void JobRunner::EnqueueAccepted(std::shared_ptr<Job> job, std::int64_t memory_by
   Add({.job = std::move(job), .memory_bytes = memory_bytes});
 }
 
+void JobRunner::Hold(FairQueue::Entry entry) {
+  MutexLock lock(mutex_);
+  if (draining_ || closed_) entry.job->Cancel(StopCause::kDrain);
+  // It may have been cancelled on the way here.
+  if (entry.job->View().state == JobState::kQueued) held_.push_back(std::move(entry));
+}
+
+void JobRunner::Release(const Job& job) {
+  MutexLock lock(mutex_);
+  const auto held = std::find_if(held_.begin(), held_.end(),
+                                 [&](const auto& entry) { return entry.job.get() == &job; });
+  if (held == held_.end()) return;
+  FairQueue::Entry entry = std::move(*held);
+  held_.erase(held);
+  Add(std::move(entry));
+}
+
+std::size_t JobRunner::WaitingOf(const std::string& share) const {
+  const auto held = std::count_if(held_.begin(), held_.end(), [&](const auto& entry) {
+    return entry.job->spec().share == share;
+  });
+  return queue_.CountOf(share) + static_cast<std::size_t>(held);
+}
+
 void JobRunner::Add(FairQueue::Entry entry) {
   queue_.Push(std::move(entry));
   UpdatePositions();
@@ -113,6 +156,7 @@ void JobRunner::GiveBack(const std::string& share) {
 bool JobRunner::Cancel(Job& job, StopCause cause) {
   MutexLock lock(mutex_);
   if (queue_.Remove(job)) UpdatePositions();
+  held_.remove_if([&](const auto& entry) { return entry.job.get() == &job; });
   const bool cancelled = job.Cancel(cause);
   changed_.notify_all();
   return cancelled;
@@ -126,6 +170,7 @@ void JobRunner::StartDraining() {
     queue_.Remove(*job);
     job->Cancel(StopCause::kDrain);
   }
+  for (const auto& entry : std::exchange(held_, {})) entry.job->Cancel(StopCause::kDrain);
   UpdatePositions();
   changed_.notify_all();
 }
@@ -151,6 +196,9 @@ bool JobRunner::WaitUntilIdle(absl::Duration timeout) {
 int JobRunner::StopAll() {
   MutexLock lock(mutex_);
   int stopped = 0;
+  for (const auto& entry : std::exchange(held_, {})) {
+    stopped += entry.job->Cancel(StopCause::kDrain);
+  }
   while (!queue_.empty()) stopped += queue_.Pop().job->Cancel(StopCause::kDrain);
   for (const auto& job : running_) stopped += job->Cancel(StopCause::kDrain);
   changed_.notify_all();
@@ -159,7 +207,8 @@ int JobRunner::StopAll() {
 
 RunnerLoad JobRunner::Load() const {
   MutexLock lock(mutex_);
-  return {.queued = static_cast<int>(queue_.size()), .running = static_cast<int>(running_.size())};
+  return {.queued = static_cast<int>(queue_.size() + held_.size()),
+          .running = static_cast<int>(running_.size())};
 }
 
 void JobRunner::Work() {
@@ -170,6 +219,7 @@ void JobRunner::Work() {
     {
       MutexLock lock(mutex_);
       running_.erase(job);
+      if (running_.empty()) runs_alone_ = false;
     }
     changed_.notify_all();
   }
@@ -183,16 +233,22 @@ std::pair<std::shared_ptr<Job>, std::shared_ptr<void>> JobRunner::Next() {
       changed_.wait(mutex_);
       continue;
     }
-    // A large job at the front is waited for, so that small ones cannot starve it.
+    // A job that must run alone, and a large one, is waited for at the front, so that others cannot
+    // starve it.
+    if (runs_alone_ || (queue_.Front().alone && !running_.empty())) {
+      changed_.wait(mutex_);
+      continue;
+    }
     std::shared_ptr<void> grant = budget_->Take(queue_.Front().memory_bytes);
     if (grant == nullptr) {
       changed_.wait(mutex_);
       continue;
     }
-    std::shared_ptr<Job> job = queue_.Pop().job;
+    auto [job, memory_bytes, alone] = queue_.Pop();
     UpdatePositions();
     if (job->Take()) {
       running_.insert(job);
+      runs_alone_ = alone;
       return {std::move(job), std::move(grant)};
     }
     // Its release asks for mutex_.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <set>
@@ -66,6 +67,12 @@ class JobRunner {
   /// One that was accepted by an earlier process: there is always room.
   void EnqueueAccepted(std::shared_ptr<Job> job, std::int64_t memory_bytes);
 
+  /// Takes a job that is not to run yet: it waits, and counts as waiting, until Release(). It need
+  /// not fit, as it was accepted before.
+  void Hold(FairQueue::Entry entry);
+  /// Lets a job of Hold() wait for a worker; nothing happens to one that is gone.
+  void Release(const Job& job);
+
   /// Asks a job to stop; one that waits ends at once and frees its place. As Job::Cancel().
   bool Cancel(Job& job, StopCause cause);
 
@@ -74,7 +81,7 @@ class JobRunner {
   void StartDraining();
   bool draining() const;
 
-  /// Waits until nothing waits or runs; false when `timeout` passed before.
+  /// Waits until nothing waits for a worker or runs; false when `timeout` passed before.
   bool WaitUntilIdle(absl::Duration timeout);
 
   /// Asks all jobs to stop, for the reason that draining cannot wait longer. @return how many did
@@ -88,6 +95,7 @@ class JobRunner {
   // The next job, RUNNING, and its memory; null when the runner goes away.
   std::pair<std::shared_ptr<Job>, std::shared_ptr<void>> Next();
   void Add(FairQueue::Entry entry) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  std::size_t WaitingOf(const std::string& share) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void UpdatePositions() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Return(const std::string& share);
   void GiveBack(const std::string& share) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -100,9 +108,11 @@ class JobRunner {
   mutable Mutex mutex_;
   CondVar changed_;
   FairQueue queue_ ABSL_GUARDED_BY(mutex_);
+  std::list<FairQueue::Entry> held_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, int> reserved_ ABSL_GUARDED_BY(mutex_);  // By share.
   int reserved_count_ ABSL_GUARDED_BY(mutex_) = 0;
   std::set<std::shared_ptr<Job>> running_ ABSL_GUARDED_BY(mutex_);
+  bool runs_alone_ ABSL_GUARDED_BY(mutex_) = false;  // What runs, beside which nothing may.
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 

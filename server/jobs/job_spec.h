@@ -32,10 +32,4 @@ struct JobSpec {
 /// of the algorithm: SHA-256 over a layout of our own, in which doubles are their bits.
 std::string SpecDigest(const JobSpec& spec);
 
-/// What the computation may need at its peak [bytes], from what its mesh announces: decoded mesh,
-/// surface, search structures, samples. Well above what is measured, which is about 270 bytes a
-/// face and 310 a sample.
-std::int64_t EstimateMemory(std::int64_t vertices, std::int64_t faces,
-                            const SamplingOptions& options);
-
 }  // namespace ccst::server

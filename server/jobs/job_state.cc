@@ -9,6 +9,7 @@ namespace {
 using Cell = std::optional<JobState>;
 
 constexpr Cell kNever = std::nullopt;
+constexpr Cell kQueued = JobState::kQueued;
 constexpr Cell kRunning = JobState::kRunning;
 constexpr Cell kCancelling = JobState::kCancelling;
 constexpr Cell kSucceeded = JobState::kSucceeded;
@@ -17,14 +18,15 @@ constexpr Cell kCancelled = JobState::kCancelled;
 
 // Rows: states; columns: events, in the order of their enumerations. A run that finishes whole
 // while it is being cancelled has won the race and keeps its result.
-constexpr std::array<std::array<Cell, 6>, 6> kTable = {{
-    //             taken     cancel       finished    stopped     failed   drain ends
-    /* queued */ {{kRunning, kCancelled, kNever, kNever, kNever, kCancelled}},
-    /* running */ {{kNever, kCancelling, kSucceeded, kNever, kFailed, kCancelling}},
-    /* cancelling */ {{kNever, kCancelling, kSucceeded, kCancelled, kFailed, kCancelling}},
-    /* succeeded */ {{kNever, kSucceeded, kNever, kNever, kNever, kSucceeded}},
-    /* failed */ {{kNever, kFailed, kNever, kNever, kNever, kFailed}},
-    /* cancelled */ {{kNever, kCancelled, kNever, kNever, kNever, kCancelled}},
+constexpr std::array<std::array<Cell, 7>, 6> kTable = {{
+    //             taken     cancel       finished    stopped     failed   drain ends   put off
+    /* queued */ {{kRunning, kCancelled, kNever, kNever, kNever, kCancelled, kNever}},
+    /* running */ {{kNever, kCancelling, kSucceeded, kNever, kFailed, kCancelling, kQueued}},
+    /* cancelling */
+    {{kNever, kCancelling, kSucceeded, kCancelled, kFailed, kCancelling, kNever}},
+    /* succeeded */ {{kNever, kSucceeded, kNever, kNever, kNever, kSucceeded, kNever}},
+    /* failed */ {{kNever, kFailed, kNever, kNever, kNever, kFailed, kNever}},
+    /* cancelled */ {{kNever, kCancelled, kNever, kNever, kNever, kCancelled, kNever}},
 }};
 
 }  // namespace

@@ -14,6 +14,7 @@ enum class JobEvent {
   kStopped,    ///< The run stopped because it was asked to.
   kFailed,     ///< The run was refused or broke.
   kDrainEnds,  ///< The server cannot wait any longer.
+  kPutOff,     ///< The store fails the run, which is to be tried again.
 };
 
 /// The state after `event`; empty where the event cannot happen in `state`.

@@ -2,11 +2,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 
 #include "absl/status/statusor.h"
 #include "core/density/image.h"
+#include "core/io/byte_source.h"
+#include "core/io/image_file.h"
 #include "core/io/mesh_limits.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/sampling/sampling.h"
@@ -18,14 +21,18 @@ namespace ccst::server {
 struct MeshCounts {
   std::int64_t vertices = 0;
   std::int64_t faces = 0;
+  std::int64_t encoded_bytes = 0;  ///< As it is stored.
+  std::int64_t decoder_bytes = 0;  ///< What the decoder takes beside the mesh that it makes.
+  std::int64_t mesh_bytes = 0;     ///< The decoded mesh with its attributes.
+  std::int64_t sample_bytes = 0;   ///< Values of attributes that every sample carries.
 };
 
 /// What a run is made of; tests put their own in.
 struct RunDependencies {
-  /// Counts of a mesh of `size` bytes from its first ones, checked against the limits.
-  std::function<absl::StatusOr<MeshCounts>(std::span<const char> start, std::int64_t size,
-                                           const MeshLimits&)>
-      count;
+  /// What a mesh announces, checked against the limits.
+  std::function<absl::StatusOr<MeshCounts>(const ByteSource&, const MeshLimits&)> count;
+  /// As ReadImageFacts(), for texture densities.
+  std::function<absl::StatusOr<ImageFacts>(const ByteSource&)> image_facts;
   /// As DecodeDraco().
   std::function<absl::StatusOr<TriangleMesh>(std::span<const char>, const MeshLimits&)> decode;
   /// As DecodeImage(), for texture densities.
@@ -39,6 +46,8 @@ struct RunDependencies {
   Clock clock;
   MeshLimits mesh_limits;
   int threads_per_job = 1;
+  /// The longest that anything may be computed [s], > 0: what no option of a request bounds.
+  double max_seconds = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace ccst::server

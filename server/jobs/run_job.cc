@@ -1,5 +1,7 @@
 #include "server/jobs/run_job.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -7,11 +9,14 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/interrupt.h"
 #include "core/base/status.h"
-#include "server/jobs/without_throwing.h"
+#include "server/base/without_throwing.h"
 
 namespace ccst::server {
 namespace {
+
+constexpr double kLeastLimit = 1e-9;  // [s]
 
 // Keeps what happens in the job and tells the observer how long each phase took.
 class JobProgress : public ProgressSink {
@@ -58,6 +63,12 @@ class JobProgress : public ProgressSink {
   double since_;
 };
 
+// The time limit counts from here, over all that is done for the job.
+std::optional<Interrupt::Clock::time_point> DeadlineOf(const SamplingOptions& options) {
+  if (!options.time_limit_seconds.has_value()) return std::nullopt;
+  return Interrupt::DeadlineAfter(Interrupt::Clock::now(), *options.time_limit_seconds);
+}
+
 std::vector<std::string> WarningsOf(const SamplingResult& result) {
   std::vector<std::string> warnings;
   const SurfaceSummary& surface = result.surface;
@@ -95,8 +106,15 @@ absl::StatusOr<JobResult> Compute(Job& job, const RunDependencies& dependencies,
   if (job.stop_token().stop_requested()) return StoppedOnRequest();
   const JobSpec& spec = job.spec();
   JobInput input;
-  CCST_ASSIGN_OR_RETURN(input, LoadInput(spec, dependencies, inputs.source, job.stop_token()));
+  const auto deadline = DeadlineOf(spec.options);
+  CCST_ASSIGN_OR_RETURN(input,
+                        LoadInput(spec, dependencies, inputs.source, job.stop_token(), deadline));
   SamplingOptions options = spec.options;
+  if (deadline.has_value()) {
+    // What decoding took is gone. Never 0, which is no limit: the run says that it has no time.
+    const std::chrono::duration<double> left = *deadline - Interrupt::Clock::now();
+    options.time_limit_seconds = std::max(left.count(), kLeastLimit);
+  }
   options.thread_count = dependencies.threads_per_job;
   options.density.image = std::move(input.image);
   JobResult result;
@@ -123,7 +141,7 @@ absl::StatusOr<JobResult> Compute(Job& job, const RunDependencies& dependencies,
 
 absl::StatusOr<JobResult> RunJob(Job& job, const RunDependencies& dependencies,
                                  const RunInputs& inputs) {
-  return WithoutThrowing<JobResult>([&] { return Compute(job, dependencies, inputs); });
+  return WithoutThrowing("the computation", [&] { return Compute(job, dependencies, inputs); });
 }
 
 }  // namespace ccst::server

@@ -15,8 +15,10 @@ struct RunInputs {
 };
 
 /// Computes `job`, which is RUNNING, on this thread. Its samples are in `run.samples` of the
-/// result. A stop is answered within 100 ms. Exceptions become errors: memory that is not there
-/// RESOURCE_EXHAUSTED OUT_OF_MEMORY, others INTERNAL.
+/// result. A stop is answered within 100 ms. The time limit of its options counts from here, over
+/// all that is done for it: a job that hits it ends with what it has, or with DEADLINE_EXCEEDED
+/// TIME_LIMIT_EXCEEDED. Exceptions become errors: memory that is not there RESOURCE_EXHAUSTED
+/// OUT_OF_MEMORY, others INTERNAL.
 absl::StatusOr<JobResult> RunJob(Job& job, const RunDependencies& dependencies,
                                  const RunInputs& inputs);
 

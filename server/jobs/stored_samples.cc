@@ -9,18 +9,21 @@
 #include <vector>
 
 #include "core/base/status.h"
+#include "server/jobs/block_sums.h"
 
 namespace ccst::server {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the layout is the memory's");
 
-constexpr std::string_view kMagic("ccst-stored-samples-1\0\0\0", 24);
+constexpr std::string_view kMagic("ccst-stored-samples-2\0\0\0", 24);
+// As it was once, without sums.
+constexpr std::string_view kMagicWithoutSums("ccst-stored-samples-1\0\0\0", 24);
 constexpr std::uint32_t kMaxAttributes = 64;
 constexpr std::uint32_t kMaxNameBytes = 1024;
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 
-// Gathers small values into large appends.
+// Gathers small values into large appends, and puts the sums of all of them at the end.
 class Buffer {
  public:
   explicit Buffer(BlobWriter& writer) : writer_(writer) {}
@@ -34,22 +37,25 @@ class Buffer {
 
   absl::Status Finish() {
     Flush();
+    if (status_.ok()) status_ = writer_.Append(sums_.Finish());
     return status_;
   }
 
  private:
   void Flush() {
+    sums_.Add(bytes_);
     if (status_.ok()) status_ = writer_.Append(bytes_);
     bytes_.clear();
   }
 
   BlobWriter& writer_;
+  BlockSums sums_;
   std::string bytes_;
   absl::Status status_;
 };
 
 absl::Status Damaged(const std::string& what) {
-  return MakeError(absl::StatusCode::kInternal, ErrorReason::kStorageFailed,
+  return MakeError(absl::StatusCode::kDataLoss, ErrorReason::kStorageFailed,
                    "stored samples are damaged: " + what);
 }
 
@@ -75,16 +81,6 @@ class Cursor {
   const Blob& blob_;
   std::int64_t offset_ = 0;
 };
-
-template <typename T>
-absl::StatusOr<std::vector<T>> ReadRows(const Blob& blob, std::int64_t offset, std::int64_t start,
-                                        std::int64_t count, int columns) {
-  std::vector<T> rows(static_cast<std::size_t>(count * columns));
-  const std::int64_t row_bytes = static_cast<std::int64_t>(sizeof(T)) * columns;
-  CCST_RETURN_IF_ERROR(blob.Read(offset + start * row_bytes,
-                                 {reinterpret_cast<char*>(rows.data()), rows.size() * sizeof(T)}));
-  return rows;
-}
 
 }  // namespace
 
@@ -125,7 +121,8 @@ absl::StatusOr<StoredSamples> StoredSamples::Open(std::shared_ptr<const Blob> bl
   Cursor cursor(*stored.blob_);
   std::string magic(kMagic.size(), '\0');
   CCST_RETURN_IF_ERROR(cursor.TakeBytes(magic));
-  if (magic != kMagic) return Damaged("they do not begin as samples do");
+  const bool has_sums = magic == kMagic;
+  if (!has_sums && magic != kMagicWithoutSums) return Damaged("they do not begin as samples do");
   std::uint64_t samples = 0;
   std::uint64_t triangles = 0;
   std::uint32_t attribute_count = 0;
@@ -145,7 +142,7 @@ absl::StatusOr<StoredSamples> StoredSamples::Open(std::shared_ptr<const Blob> bl
     CCST_RETURN_IF_ERROR(cursor.Take(kind));
     CCST_RETURN_IF_ERROR(cursor.Take(components));
     CCST_RETURN_IF_ERROR(cursor.Take(name_bytes));
-    if (kind > static_cast<std::uint32_t>(AttributeKind::kTextureCoordinates) || components < 1 ||
+    if (kind > static_cast<std::uint32_t>(AttributeKind::kLabel) || components < 1 ||
         components > 4 || name_bytes > kMaxNameBytes) {
       return Damaged("attribute " + std::to_string(i) + " is not one");
     }
@@ -169,23 +166,45 @@ absl::StatusOr<StoredSamples> StoredSamples::Open(std::shared_ptr<const Blob> bl
   }
   offsets.triangles = end;
   offsets.end = end + 12 * stored.triangle_count_;
-  if (offsets.end != stored.blob_->size_bytes()) {
+  const std::int64_t sums_bytes = has_sums ? BlockSums::SizeFor(offsets.end) : 0;
+  if (offsets.end + sums_bytes != stored.blob_->size_bytes()) {
     return Damaged("they are not as long as they announce");
   }
+  if (!has_sums) return stored;
+  stored.sums_.resize(static_cast<std::size_t>(sums_bytes));
+  CCST_RETURN_IF_ERROR(stored.blob_->Read(offsets.end, stored.sums_));
+  // What was read so far was read before the sums were known.
+  std::string header(static_cast<std::size_t>(offsets.faces), '\0');
+  CCST_RETURN_IF_ERROR(stored.ReadBytes(0, header));
   return stored;
+}
+
+absl::Status StoredSamples::ReadBytes(std::int64_t offset, std::span<char> out) const {
+  if (sums_.empty()) return blob_->Read(offset, out);
+  absl::Status read = ReadChecked(*blob_, offsets_.end, sums_, offset, out);
+  if (!absl::IsDataLoss(read)) return read;
+  return Damaged(std::string(read.message()) + "; the same request again computes them anew");
+}
+
+template <typename T>
+absl::StatusOr<std::vector<T>> StoredSamples::ReadRows(std::int64_t offset, std::int64_t start,
+                                                       std::int64_t count, int columns) const {
+  std::vector<T> rows(static_cast<std::size_t>(count * columns));
+  const std::int64_t row_bytes = static_cast<std::int64_t>(sizeof(T)) * columns;
+  CCST_RETURN_IF_ERROR(ReadBytes(offset + start * row_bytes,
+                                 {reinterpret_cast<char*>(rows.data()), rows.size() * sizeof(T)}));
+  return rows;
 }
 
 absl::StatusOr<SampleSet> StoredSamples::ReadSamples(std::int64_t start, std::int64_t count) const {
   SampleSet samples;
-  CCST_ASSIGN_OR_RETURN(samples.faces,
-                        ReadRows<std::int32_t>(*blob_, offsets_.faces, start, count, 1));
+  CCST_ASSIGN_OR_RETURN(samples.faces, ReadRows<std::int32_t>(offsets_.faces, start, count, 1));
   std::vector<double> barycentrics;
-  CCST_ASSIGN_OR_RETURN(barycentrics,
-                        ReadRows<double>(*blob_, offsets_.barycentrics, start, count, 2));
+  CCST_ASSIGN_OR_RETURN(barycentrics, ReadRows<double>(offsets_.barycentrics, start, count, 2));
   std::vector<float> positions;
-  CCST_ASSIGN_OR_RETURN(positions, ReadRows<float>(*blob_, offsets_.positions, start, count, 3));
+  CCST_ASSIGN_OR_RETURN(positions, ReadRows<float>(offsets_.positions, start, count, 3));
   std::vector<float> normals;
-  CCST_ASSIGN_OR_RETURN(normals, ReadRows<float>(*blob_, offsets_.normals, start, count, 3));
+  CCST_ASSIGN_OR_RETURN(normals, ReadRows<float>(offsets_.normals, start, count, 3));
   for (std::size_t i = 0; i < samples.faces.size(); ++i) {
     samples.barycentrics.emplace_back(barycentrics[2 * i], barycentrics[2 * i + 1]);
     samples.positions.emplace_back(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
@@ -195,7 +214,7 @@ absl::StatusOr<SampleSet> StoredSamples::ReadSamples(std::int64_t start, std::in
   for (std::size_t i = 0; i < attributes_.size(); ++i) {
     CCST_ASSIGN_OR_RETURN(
         samples.attributes[i].values,
-        ReadRows<float>(*blob_, offsets_.attributes[i], start, count, attributes_[i].components));
+        ReadRows<float>(offsets_.attributes[i], start, count, attributes_[i].components));
   }
   return samples;
 }
@@ -203,8 +222,7 @@ absl::StatusOr<SampleSet> StoredSamples::ReadSamples(std::int64_t start, std::in
 absl::StatusOr<SampleSet> StoredSamples::ReadTriangles(std::int64_t start,
                                                        std::int64_t count) const {
   std::vector<std::int32_t> corners;
-  CCST_ASSIGN_OR_RETURN(corners,
-                        ReadRows<std::int32_t>(*blob_, offsets_.triangles, start, count, 3));
+  CCST_ASSIGN_OR_RETURN(corners, ReadRows<std::int32_t>(offsets_.triangles, start, count, 3));
   SampleSet triangles;
   for (std::size_t i = 0; i < corners.size(); i += 3) {
     triangles.triangles.emplace_back(corners[i], corners[i + 1], corners[i + 2]);

@@ -6,9 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/printable_text.h"
 
 namespace ccst::server {
 namespace {
+
+// Longer ones are a fault somewhere, and nobody reads them.
+constexpr std::size_t kMaxMessageBytes = 4096;
 
 std::string Timestamp(absl::Time time) {
   return absl::FormatTime("%Y-%m-%dT%H:%M:%E3SZ", time, absl::UTCTimeZone());
@@ -20,6 +24,12 @@ std::string Milliseconds(double seconds) {
   return text;
 }
 
+// One line without control characters, whatever the strings hold.
+std::string JsonLine(const nlohmann::ordered_json& json) {
+  constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+  return PrintableText(json.dump(-1, ' ', false, kReplace));
+}
+
 }  // namespace
 
 ServerLog::ServerLog(LogFormat format, std::function<absl::Time()> now,
@@ -29,20 +39,19 @@ ServerLog::ServerLog(LogFormat format, std::function<absl::Time()> now,
 void ServerLog::Request(const RequestRecord& record) {
   const std::string time = Timestamp(now_());
   if (format_ == LogFormat::kJson) {
-    Write(nlohmann::ordered_json{{"time", time},
-                                 {"method", record.method},
-                                 {"job", record.job},
-                                 {"owner", record.owner},
-                                 {"trace_id", record.trace_id},
-                                 {"code", record.code},
-                                 {"reason", record.reason},
-                                 {"seconds", record.seconds},
-                                 {"request_bytes", record.request_bytes},
-                                 {"response_bytes", record.response_bytes},
-                                 {"samples_requested", record.samples_requested},
-                                 {"samples_sent", record.samples_sent},
-                                 {"messages_sent", record.messages_sent}}
-              .dump());
+    Write(JsonLine({{"time", time},
+                    {"method", record.method},
+                    {"job", record.job},
+                    {"owner", record.owner},
+                    {"trace_id", record.trace_id},
+                    {"code", record.code},
+                    {"reason", record.reason},
+                    {"seconds", record.seconds},
+                    {"request_bytes", record.request_bytes},
+                    {"response_bytes", record.response_bytes},
+                    {"samples_requested", record.samples_requested},
+                    {"samples_sent", record.samples_sent},
+                    {"messages_sent", record.messages_sent}}));
     return;
   }
   std::string line = absl::StrCat(time, " ", record.method, " ", record.code);
@@ -54,15 +63,16 @@ void ServerLog::Request(const RequestRecord& record) {
   absl::StrAppend(&line, " request_bytes=", record.request_bytes,
                   " response_bytes=", record.response_bytes, " samples=", record.samples_sent, "/",
                   record.samples_requested, " messages=", record.messages_sent);
-  Write(line);
+  Write(PrintableText(line));
 }
 
 void ServerLog::Message(std::string_view message) {
   const std::string time = Timestamp(now_());
   if (format_ == LogFormat::kJson) {
-    Write(nlohmann::ordered_json{{"time", time}, {"message", std::string(message)}}.dump());
+    Write(
+        JsonLine({{"time", time}, {"message", std::string(message.substr(0, kMaxMessageBytes))}}));
   } else {
-    Write(absl::StrCat(time, " ", std::string(message)));
+    Write(absl::StrCat(time, " ", PrintableExcerpt(message, kMaxMessageBytes)));
   }
 }
 

@@ -11,12 +11,10 @@
 #include <prometheus/registry.h>
 
 #include "absl/status/status.h"
+#include "server/base/lost_log_lines.h"
 
 namespace ccst::server {
 namespace {
-
-// One scraper at a time is the rule; a second may be a person.
-constexpr std::size_t kServingThreads = 2;
 
 // From what a cached answer takes to the longest job [s].
 const prometheus::Histogram::BucketBoundaries kSecondsBuckets = {
@@ -38,7 +36,13 @@ prometheus::MetricFamily Gauge(const char* name, const char* help, std::int64_t 
   return {.name = name, .help = help, .type = prometheus::MetricType::Gauge, .metric = {metric}};
 }
 
-// Gauges that are read when they are asked for.
+prometheus::MetricFamily Counter(const char* name, const char* help, std::int64_t value) {
+  prometheus::ClientMetric metric;
+  metric.counter.value = static_cast<double>(value);
+  return {.name = name, .help = help, .type = prometheus::MetricType::Counter, .metric = {metric}};
+}
+
+// Figures that are read when they are asked for.
 class Load final : public prometheus::Collectable {
  public:
   void SetReader(std::function<LoadSample()> read) {
@@ -50,20 +54,34 @@ class Load final : public prometheus::Collectable {
     const std::lock_guard lock(mutex_);
     if (!read_) return {};
     const LoadSample load = read_();
-    return {Gauge("ccst_jobs_queued", "Jobs that wait.", load.queued_jobs),
-            Gauge("ccst_jobs_queued_limit", "Jobs that may wait.", load.queued_jobs_limit),
-            Gauge("ccst_jobs_running", "Jobs that compute.", load.running_jobs),
-            Gauge("ccst_watchers", "Streams that follow a job.", load.watchers),
-            Gauge("ccst_memory_bytes", "Memory of the budget in use.", load.memory_bytes),
-            Gauge("ccst_memory_limit_bytes", "The memory budget.", load.memory_limit_bytes),
-            Gauge("ccst_storage_bytes", "Size of the data directory's disk.", load.storage_bytes),
-            Gauge("ccst_storage_free_bytes", "What is free there.", load.storage_free_bytes)};
+    return {
+        Gauge("ccst_jobs_queued", "Jobs that wait.", load.queued_jobs),
+        Gauge("ccst_jobs_queued_limit", "Jobs that may wait.", load.queued_jobs_limit),
+        Gauge("ccst_jobs_running", "Jobs that compute.", load.running_jobs),
+        Gauge("ccst_watchers", "Streams that follow a job.", load.watchers),
+        Gauge("ccst_memory_bytes", "Memory of the budget in use.", load.memory_bytes),
+        Gauge("ccst_memory_limit_bytes", "The memory budget.", load.memory_limit_bytes),
+        Gauge("ccst_connections", "Open connections.", load.connections),
+        Gauge("ccst_connections_limit", "Connections that may be open.", load.connections_limit),
+        Gauge("ccst_data_bytes", "Bytes of all meshes, images and samples.", load.data_bytes),
+        Gauge("ccst_data_limit_bytes", "What they may have.", load.data_limit_bytes),
+        Gauge("ccst_record_bytes", "Bytes of records.", load.record_bytes),
+        Gauge("ccst_record_limit_bytes", "What they may have.", load.record_limit_bytes),
+        Gauge("ccst_storage_bytes", "Size of the data directory's disk.", load.storage_bytes),
+        Gauge("ccst_storage_free_bytes", "What is free there.", load.storage_free_bytes),
+        Counter("ccst_log_lines_lost_total", "Lines of the log that nobody read.", lost_log_lines)};
   }
 
  private:
   mutable std::mutex mutex_;
   std::function<LoadSample()> read_;
 };
+
+// Who sends half a request holds a thread, for no longer than a scrape takes.
+std::vector<std::string> ServingOptions(const std::string& listen) {
+  return {"listening_ports",    listen, "num_threads",      "8",
+          "request_timeout_ms", "1000", "connection_queue", "64"};
+}
 
 }  // namespace
 
@@ -78,6 +96,9 @@ struct Metrics::Families {
       Counters(*registry, "ccst_request_bytes_total", "Bytes of messages received, by method.");
   prometheus::Family<prometheus::Counter>& bytes_out =
       Counters(*registry, "ccst_response_bytes_total", "Bytes of messages sent, by method.");
+  prometheus::Family<prometheus::Counter>& refused_connections =
+      Counters(*registry, "ccst_connections_refused_total",
+               "Connections that were refused or ended for what they did, by reason.");
   prometheus::Family<prometheus::Histogram>& phase_seconds =
       Histograms(*registry, "ccst_phase_seconds", "Time a job spent in a phase.");
   prometheus::Counter& alternations =
@@ -107,6 +128,10 @@ void Metrics::CountRequest(std::string_view method, std::string_view code, doubl
   families_->bytes_out.Add({{"method", name}}).Increment(static_cast<double>(bytes_out));
 }
 
+void Metrics::CountRefusedConnection(std::string_view reason) {
+  families_->refused_connections.Add({{"reason", std::string(reason)}}).Increment();
+}
+
 void Metrics::OnPhase(std::string_view phase, double seconds) {
   families_->phase_seconds.Add({{"phase", std::string(phase)}}, kSecondsBuckets).Observe(seconds);
 }
@@ -132,7 +157,7 @@ void Metrics::SetLoadReader(std::function<LoadSample()> read_load) {
 
 absl::StatusOr<std::string> Metrics::Serve(const std::string& listen) {
   try {
-    exporter_.reset(new Exporter{.exposer = prometheus::Exposer(listen, kServingThreads)});
+    exporter_.reset(new Exporter{.exposer = prometheus::Exposer(ServingOptions(listen))});
   } catch (const std::exception&) {
     return absl::UnavailableError("cannot listen on " + listen +
                                   " for metrics; the address may be in use or not of this machine");

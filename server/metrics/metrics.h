@@ -19,6 +19,12 @@ struct LoadSample {
   std::int64_t watchers = 0;            ///< Streams that follow a job.
   std::int64_t memory_bytes = 0;        ///< Of the budget, in use.
   std::int64_t memory_limit_bytes = 0;  ///< The budget; 0: there is none.
+  std::int64_t connections = 0;         ///< Open ones.
+  std::int64_t connections_limit = 0;   ///< As many may be open.
+  std::int64_t data_bytes = 0;          ///< Of all meshes, images and samples.
+  std::int64_t data_limit_bytes = 0;    ///< What they may have; 0: what the disk has.
+  std::int64_t record_bytes = 0;        ///< Of what is written down of jobs and meshes.
+  std::int64_t record_limit_bytes = 0;  ///< What that may have.
   std::int64_t storage_bytes = 0;       ///< Size of the disk that the data directory is on.
   std::int64_t storage_free_bytes = 0;  ///< What the server may still write there.
 };
@@ -34,6 +40,9 @@ class Metrics final : public JobObserver {
   /// One finished call; `code` as `OK`, `NOT_FOUND`.
   void CountRequest(std::string_view method, std::string_view code, double seconds,
                     std::int64_t bytes_in, std::int64_t bytes_out);
+
+  /// One connection that came to nothing; `reason` as in ConnectionGate.
+  void CountRefusedConnection(std::string_view reason);
 
   void OnPhase(std::string_view phase, double seconds) override;
   void OnAlternation() override;

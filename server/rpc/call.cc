@@ -4,14 +4,16 @@
 #include <array>
 #include <cstddef>
 
-#include <grpcpp/security/auth_context.h>
-
-#include "absl/strings/str_replace.h"
 #include "core/base/status.h"
+#include "proto/convert/field_limits.h"
 #include "server/rpc/grpc_status.h"
 
 namespace ccst::server {
 namespace {
+
+constexpr std::string_view kPeerPrefix = "unix-abstract:";
+// DER, from a proxy that has ended TLS; looked at only where such a proxy is trusted.
+constexpr char kCertificateKey[] = "x-ccst-client-certificate-bin";
 
 std::string_view Metadata(const grpc::CallbackServerContext& context, const char* key) {
   const auto& metadata = context.client_metadata();
@@ -20,23 +22,20 @@ std::string_view Metadata(const grpc::CallbackServerContext& context, const char
   return {found->second.data(), found->second.size()};
 }
 
-bool HasCertificate(const grpc::CallbackServerContext& context) {
-  const auto auth = context.auth_context();
-  return auth != nullptr && auth->IsPeerAuthenticated();
-}
-
-// The name in the peer's certificate, else its address without the port: a port is another one
-// with every connection. `ipv4:10.0.0.1:4711` is `10.0.0.1`, `ipv6:%5B::1%5D:4711` is `[::1]`.
-std::string PeerName(const grpc::CallbackServerContext& context) {
-  if (HasCertificate(context)) {
-    const auto auth = context.auth_context();
-    const auto names = auth->GetPeerIdentity();
-    if (!names.empty()) return std::string(names.front().data(), names.front().size());
+// Callers over the network have local sockets whose names are those of Peers.
+Peer PeerOf(const grpc::CallbackServerContext& context, const Peers& peers) {
+  const std::string name = context.peer();
+  const std::string_view known = std::string_view(name).substr(0, kPeerPrefix.size());
+  if (known != kPeerPrefix) return {.address = name};  // Within the process.
+  const auto found = peers.Find(std::string_view(name).substr(kPeerPrefix.size()));
+  // A call that begins when its connection has gone is nobody's.
+  if (found == nullptr) return {.address = "gone", .certificate = IdentifyCertificate("")};
+  Peer peer = *found;
+  const std::string_view certificate = Metadata(context, kCertificateKey);
+  if (peer.vouched_by_proxy && !certificate.empty()) {
+    peer.certificate = IdentifyCertificate(certificate);
   }
-  const std::string peer = absl::StrReplaceAll(context.peer(), {{"%5B", "["}, {"%5D", "]"}});
-  const std::size_t begin = peer.find(':') + 1;
-  const std::size_t end = peer.rfind(':');
-  return end >= begin ? peer.substr(begin, end - begin) : peer.substr(begin);
+  return peer;
 }
 
 bool IsLowerHex(std::string_view text) {
@@ -72,18 +71,17 @@ std::string TraceId(std::string_view traceparent) {
 Call::Call(const CallSupport& support, const grpc::CallbackServerContext& context,
            std::string_view method, Scope needed)
     : support_(support), start_seconds_(support.clock.seconds()) {
-  const std::string peer = PeerName(context);
+  const Peer peer = PeerOf(context, support.peers);
   auto caller = support_.authenticator.Authenticate(Metadata(context, "authorization"), peer);
   if (caller.ok()) {
     caller_ = *std::move(caller);
-    caller_.known = caller_.known || HasCertificate(context);
     admission_ = CheckScope(caller_, needed);
   } else {
-    caller_ = {.owner = Printable(peer), .scope = Scope::kReadOnly};
+    caller_ = {.owner = Printable(peer.address), .scope = Scope::kReadOnly};
     admission_ = caller.status();
   }
   record_.method = std::string(method);
-  record_.owner = caller_.owner;
+  record_.owner = caller_.shown();
   record_.trace_id = TraceId(Metadata(context, "traceparent"));
   record_.code = absl::StatusCodeToString(absl::StatusCode::kUnknown);
 }
@@ -95,11 +93,12 @@ Call::~Call() {
   support_.log.Request(record_);
 }
 
-void Call::Received(const google::protobuf::MessageLite& message) {
+absl::Status Call::Received(const google::protobuf::Message& message) {
   record_.request_bytes += static_cast<std::int64_t>(message.ByteSizeLong());
+  return CheckFieldLimits(message);
 }
 
-void Call::Sent(const google::protobuf::MessageLite& message) {
+void Call::Sent(const google::protobuf::Message& message) {
   record_.response_bytes += static_cast<std::int64_t>(message.ByteSizeLong());
   ++record_.messages_sent;
 }

@@ -3,13 +3,14 @@
 #include <string>
 #include <string_view>
 
-#include <google/protobuf/message_lite.h>
+#include <google/protobuf/message.h>
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
 #include "absl/status/status.h"
 #include "server/auth/authenticator.h"
 #include "server/auth/caller.h"
+#include "server/auth/peers.h"
 #include "server/base/clock.h"
 #include "server/log/server_log.h"
 #include "server/metrics/metrics.h"
@@ -19,6 +20,7 @@ namespace ccst::server {
 /// What every call needs of the server; all outlive it.
 struct CallSupport {
   Authenticator& authenticator;
+  const Peers& peers;
   ServerLog& log;
   Metrics& metrics;
   const Clock& clock;
@@ -45,9 +47,11 @@ class Call {
   /// The caller's W3C trace id, 32 hexadecimal digits; empty when none came.
   const std::string& trace_id() const { return record_.trace_id; }
 
-  /// Count messages. `message` is what was received or is about to be sent, still whole.
-  void Received(const google::protobuf::MessageLite& message);
-  void Sent(const google::protobuf::MessageLite& message);
+  /// Counts a message that was received, still whole, and checks that no field is longer than
+  /// FieldLimits() allow; INVALID_ARGUMENT REQUEST_INVALID, with which the call must End().
+  [[nodiscard]] absl::Status Received(const google::protobuf::Message& message);
+  /// Counts a message that is about to be sent, still whole.
+  void Sent(const google::protobuf::Message& message);
   /// What the line says besides: the job's name, samples asked for and sent.
   RequestRecord& record() { return record_; }
 
@@ -67,14 +71,15 @@ class Call {
 template <typename Response, typename Handle>
 grpc::ServerUnaryReactor* ServeUnary(const CallSupport& support,
                                      grpc::CallbackServerContext& context, std::string_view method,
-                                     Scope needed, const google::protobuf::MessageLite& request,
+                                     Scope needed, const google::protobuf::Message& request,
                                      Response& response, const Handle& handle) {
   grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
   grpc::Status end;
   {
     Call call(support, context, method, needed);
-    call.Received(request);
+    const absl::Status received = call.Received(request);
     absl::Status status = call.admission();
+    status.Update(received);
     if (status.ok()) status = handle(call);
     if (status.ok()) call.Sent(response);
     end = call.End(status);

@@ -1,44 +1,39 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <string>
-
-#include <grpcpp/server_context.h>
-#include <grpcpp/support/server_callback.h>
+#include <optional>
 
 #include "absl/status/status.h"
 #include "ccst/v1/mesh_service.pb.h"
-#include "server/rpc/call.h"
 #include "server/rpc/mesh_support.h"
+#include "server/rpc/stream_reactor.h"
+#include "server/store/blob_store.h"
 
 namespace ccst::server {
 
-/// One `DownloadMesh` call: a chunk is read from the disk when the one before has left. Deletes
-/// itself when done.
-class DownloadReactor final : public grpc::ServerWriteReactor<v1::DownloadMeshResponse> {
+/// One `DownloadMesh` call: a chunk is read from the disk when the one before has left, and hashed
+/// on its way; the last one leaves only when all bytes were those of the digest.
+class DownloadReactor final : public StreamReactor<v1::DownloadMeshResponse> {
  public:
-  DownloadReactor(MeshSupport& support, const grpc::CallbackServerContext& context,
-                  const v1::DownloadMeshRequest& request);
+  DownloadReactor(const StreamSupport& support, MeshSupport& meshes,
+                  grpc::CallbackServerContext& context, const v1::DownloadMeshRequest& request);
 
-  void OnWriteDone(bool ok) override;
-  void OnDone() override { delete this; }
+ protected:
+  absl::Status Open(Call& call) override;
+  StreamStep Next(v1::DownloadMeshResponse& message) override;
+  absl::Status end_status() override { return end_status_; }
+  bool MoreFollows(const v1::DownloadMeshResponse& message) override;
+  void Close() override { bytes_.reset(); }
 
  private:
-  void PostNext();
-  // Runs on the disk's threads; starts a write or ends the call.
-  void Next();
-  absl::Status Open();
-  absl::Status ReadChunk();
+  // Hashes what the caller has already.
+  absl::Status Skip();
 
-  // One thread at a time has the turn: gRPC's, which posts the next step, then the disk's, which
-  // starts the next write.
   MeshSupport& support_;
   const v1::DownloadMeshRequest& request_;
-  Call call_;
-  std::shared_ptr<const Blob> blob_;
-  std::int64_t offset_ = 0;
-  v1::DownloadMeshResponse message_;
+  std::optional<CheckedReader> bytes_;
+  std::int64_t start_ = 0;
+  absl::Status end_status_;
 };
 
 }  // namespace ccst::server

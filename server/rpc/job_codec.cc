@@ -28,7 +28,7 @@ constexpr RequestLimits kNoLimits = {.max_sample_count = std::numeric_limits<std
                                      .max_job_seconds = 1e12};
 
 absl::Status Damaged(const char* what) {
-  return MakeError(absl::StatusCode::kInternal, ErrorReason::kStorageFailed,
+  return MakeError(absl::StatusCode::kDataLoss, ErrorReason::kStorageFailed,
                    std::string("the stored ") + what + " of a job is damaged");
 }
 

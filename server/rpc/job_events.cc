@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/status.h"
+#include "proto/convert/job_request.h"
 #include "proto/convert/progress.h"
 #include "server/rpc/job_messages.h"
 
@@ -18,7 +19,8 @@ JobEvents::Kind JobEvents::Next() {
   if (TakeSnapshot()) return Kind::kSnapshot;
   if (TakeReport()) return Kind::kProgress;
   if (end_.has_value()) {
-    sequence_ = static_cast<std::int64_t>(next_report_) + 1;
+    // Not by the cursor, which may have been told to begin beyond all there is.
+    sequence_ = static_cast<std::int64_t>(job_->Reports().size()) + 1;
     return Kind::kEnd;
   }
   return TakePreview() ? Kind::kPreview : Kind::kNothing;
@@ -68,6 +70,13 @@ bool JobEvents::TakePreview() {
   }
   seen_preview_ = std::move(preview);
   return true;
+}
+
+std::int64_t EventBytes(int preview_count) {
+  constexpr std::int64_t kSnapshotBytes = std::int64_t{8} << 10;  // Within FieldLimits().
+  // Three floats, and half of the copy that is kept of the latest preview.
+  constexpr std::int64_t kBytesOfPoint = 12 + 6;
+  return kSnapshotBytes + kBytesOfPoint * std::clamp(preview_count, 0, kMaxPreviewSampleCount);
 }
 
 absl::Status GoingAway() {

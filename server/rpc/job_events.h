@@ -58,6 +58,10 @@ class JobEvents {
   double elapsed_seconds_ = 0.0;
 };
 
+/// What StreamBytes() should count for a message with an event: a snapshot, a report or a preview
+/// of at most `preview_count` points.
+std::int64_t EventBytes(int preview_count);
+
 /// What a stream says when the server goes away before its job has ended.
 absl::Status GoingAway();
 

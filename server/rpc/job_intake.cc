@@ -3,19 +3,21 @@
 #include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "core/base/sha256.h"
 #include "core/base/status.h"
 #include "proto/convert/names.h"
 #include "proto/convert/status.h"
+#include "proto/convert/violations.h"
 #include "server/rpc/job_messages.h"
 
 namespace ccst::server {
 namespace {
 
-absl::Status MeshMissing(const std::string& sha256) {
+absl::Status MeshMissing(const std::string& sha256, const std::string& why) {
   absl::Status status =
       MakeError(absl::StatusCode::kFailedPrecondition, ErrorReason::kMeshMissing,
-                "the mesh " + MeshName(sha256) + " is not stored; upload it and ask again");
+                absl::StrCat("the mesh ", MeshName(sha256), " ", why, "; upload it and ask again"));
   v1::MissingMeshes missing;
   missing.add_meshes(MeshName(sha256));
   SetDetail(missing, status);
@@ -31,14 +33,13 @@ class Pins {
     pins_.push_back(std::make_unique<BlobPins::Pin>(support_.pins, sha256));
   }
 
-  // Stores `bytes`, which is nothing to do when they are there.
-  absl::StatusOr<std::string> Store(std::string_view bytes) {
-    std::string sha256 = Sha256Of(bytes);
+  // Stores `bytes`, which is nothing to do when they are there undamaged. They go with these pins
+  // unless a record refers to them by then, as where the job is refused.
+  absl::Status Store(const std::string& sha256, std::string_view bytes) {
     Hold(sha256);
-    if (!support_.blobs.Contains(sha256)) {
-      CCST_ASSIGN_OR_RETURN(sha256, PutWhole(support_.blobs, bytes));
-    }
-    return sha256;
+    CCST_RETURN_IF_ERROR(support_.pins.Drop(sha256));
+    if (support_.blobs.Check(sha256).ok()) return absl::OkStatus();
+    return PutWhole(support_.blobs, bytes).status();
   }
 
  private:
@@ -50,11 +51,18 @@ absl::Status UseStoredMesh(const JobSupport& support, const Caller& caller,
                            const std::string& sha256, Pins& pins) {
   pins.Hold(sha256);
   const auto mesh = support.meshes.Use(caller.visible_owner(), sha256);
-  if (absl::IsNotFound(mesh.status())) return MeshMissing(sha256);
+  if (absl::IsNotFound(mesh.status())) return MeshMissing(sha256, "is not stored");
+  if (absl::IsDataLoss(mesh.status())) return MeshMissing(sha256, "is damaged where it is stored");
   return mesh.status();
 }
 
-absl::StatusOr<JobSpec> MakeSpec(const Caller& caller, JobCall call, Pins& pins) {
+// The image of a texture density stays apart.
+struct Asked {
+  JobSpec spec;
+  std::shared_ptr<const std::string> image;
+};
+
+Asked MakeSpec(const Caller& caller, JobCall call) {
   JobSpec spec;
   spec.owner = caller.visible_owner();
   spec.share = caller.owner;
@@ -66,11 +74,17 @@ absl::StatusOr<JobSpec> MakeSpec(const Caller& caller, JobCall call, Pins& pins)
   spec.origin = call.origin;
   spec.abandon_seconds = call.abandon_seconds;
   spec.skip_cache_lookup = call.skip_cache_lookup;
-  if (auto& image = spec.options.density.encoded_image; image != nullptr) {
-    CCST_ASSIGN_OR_RETURN(spec.texture_sha256, pins.Store(*image));
-    image = nullptr;
-  }
-  return spec;
+  auto image = std::exchange(spec.options.density.encoded_image, nullptr);
+  if (image != nullptr) spec.texture_sha256 = Sha256Of(*image);
+  return {.spec = std::move(spec), .image = std::move(image)};
+}
+
+// Names the field where a request_id is that of another job.
+absl::Status OfRequestId(const absl::Status& status) {
+  if (GetErrorReason(status) != ErrorReason::kRequestInvalid) return status;
+  Violations violations;
+  violations.Add("request_id", std::string(status.message()), ErrorReason::kRequestInvalid);
+  return violations.ToStatus();
 }
 
 }  // namespace
@@ -80,32 +94,39 @@ absl::StatusOr<std::shared_ptr<Job>> Submit(const JobSupport& support, const Cal
   Pins pins(support);
   if (call.mesh_sha256.empty()) {
     const std::string bytes = std::move(*request.mutable_inline_mesh()->mutable_data());
-    CCST_ASSIGN_OR_RETURN(call.mesh_sha256, pins.Store(bytes));
+    call.mesh_sha256 = Sha256Of(bytes);
+    CCST_RETURN_IF_ERROR(pins.Store(call.mesh_sha256, bytes));
   } else {
     CCST_RETURN_IF_ERROR(UseStoredMesh(support, caller, call.mesh_sha256, pins));
   }
-  JobSpec spec;
-  CCST_ASSIGN_OR_RETURN(spec, MakeSpec(caller, std::move(call), pins));
+  auto [spec, image] = MakeSpec(caller, std::move(call));
+  if (image != nullptr) CCST_RETURN_IF_ERROR(pins.Store(spec.texture_sha256, *image));
   spec.ends_with_caller = true;
-  return support.jobs.Create(std::move(spec));
+  return support.jobs.Create(spec);
 }
 
 absl::StatusOr<v1::Job> Submit(const JobSupport& support, const Caller& caller,
                                const v1::CreateJobRequest& request) {
   JobCall call;
   CCST_ASSIGN_OR_RETURN(call, FromProto(request, support.limits));
-  Pins pins(support);
-  CCST_RETURN_IF_ERROR(UseStoredMesh(support, caller, call.mesh_sha256, pins));
   const bool validate_only = call.validate_only;
-  JobSpec spec;
-  CCST_ASSIGN_OR_RETURN(spec, MakeSpec(caller, std::move(call), pins));
+  auto [spec, image] = MakeSpec(caller, std::move(call));
+  if (!validate_only) {
+    // Before anything is asked of the mesh, which may be gone, or of the disk, which may be full.
+    const auto earlier = support.jobs.FindRequest(spec);
+    if (!earlier.ok()) return OfRequestId(earlier.status());
+    if (*earlier != nullptr) return ToProto(**earlier);
+  }
+  Pins pins(support);
+  CCST_RETURN_IF_ERROR(UseStoredMesh(support, caller, spec.mesh_sha256, pins));
+  if (image != nullptr) CCST_RETURN_IF_ERROR(pins.Store(spec.texture_sha256, *image));
   if (validate_only) {
     CCST_RETURN_IF_ERROR(support.jobs.Check(spec));
     return ToProto("", spec, JobView{});
   }
-  std::shared_ptr<Job> job;
-  CCST_ASSIGN_OR_RETURN(job, support.jobs.Create(std::move(spec)));
-  return ToProto(*job);
+  const auto job = support.jobs.Create(spec);
+  if (!job.ok()) return OfRequestId(job.status());
+  return ToProto(**job);
 }
 
 }  // namespace ccst::server

@@ -1,5 +1,6 @@
 #include "server/rpc/job_messages.h"
 
+#include "proto/convert/field_limits.h"
 #include "proto/convert/job_request.h"
 #include "proto/convert/names.h"
 #include "proto/convert/options.h"
@@ -84,6 +85,7 @@ v1::Job ToProto(const std::string& id, const JobSpec& spec, const JobView& view)
     *job.mutable_expire_time() = TimestampToProto(*view.expire_time);
   }
   if (spec.origin.has_value()) *job.mutable_origin() = ccst::ToProto(*spec.origin);
+  CutToFieldLimits(job);
   return job;
 }
 

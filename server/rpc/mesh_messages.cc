@@ -7,6 +7,7 @@
 #include "core/base/sha256.h"
 #include "core/base/status.h"
 #include "core/io/draco_mesh.h"
+#include "proto/convert/field_limits.h"
 #include "proto/convert/scalars.h"
 #include "proto/convert/status.h"
 
@@ -84,11 +85,6 @@ v1::Digest ToProto(const MeshDigest& digest) {
 absl::StatusOr<std::vector<MeshDigest>> FromProto(const v1::FindMissingMeshesRequest& request) {
   Violations violations;
   std::vector<MeshDigest> digests;
-  if (request.digests_size() > kMaxDigests) {
-    violations.Add("digests", "must be at most " + std::to_string(kMaxDigests),
-                   ErrorReason::kRequestInvalid);
-    return violations.ToStatus();
-  }
   digests.reserve(static_cast<std::size_t>(request.digests_size()));
   for (int i = 0; i < request.digests_size(); ++i) {
     digests.push_back(
@@ -129,6 +125,7 @@ v1::Mesh ToProto(const StoredMesh& mesh) {
   message.set_display_name(record.display_name);
   *message.mutable_create_time() = TimestampToProto(record.create_time);
   *message.mutable_expire_time() = TimestampToProto(record.expire_time);
+  CutToFieldLimits(message);
   return message;
 }
 
@@ -137,7 +134,7 @@ std::string EncodeFacts(const MeshFacts& facts) { return ToProto(facts).Serializ
 absl::StatusOr<MeshFacts> DecodeFacts(const std::string& bytes) {
   v1::Mesh mesh;
   if (!mesh.ParseFromString(bytes)) {
-    return MakeError(absl::StatusCode::kInternal, ErrorReason::kStorageFailed,
+    return MakeError(absl::StatusCode::kDataLoss, ErrorReason::kStorageFailed,
                      "the stored facts of a mesh are damaged");
   }
   MeshFacts facts{.vertices = mesh.vertex_count(),
@@ -160,7 +157,8 @@ absl::StatusOr<MeshFacts> DecodeFacts(const std::string& bytes) {
 
 absl::StatusOr<bool> FindHeld(MeshStore& meshes, const MeshUpload& upload, v1::Mesh& mesh) {
   const auto held = meshes.Use(upload.owner, upload.sha256);
-  if (absl::IsNotFound(held.status())) return false;
+  // What is damaged is healed by what is about to come.
+  if (absl::IsNotFound(held.status()) || absl::IsDataLoss(held.status())) return false;
   CCST_RETURN_IF_ERROR(held.status());
   if (held->record.size_bytes != upload.size_bytes) {
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kDigestMismatch,
@@ -179,16 +177,6 @@ MeshDependencies RealMeshDependencies(const Clock& clock) {
           .encode_facts = EncodeFacts,
           .decode_facts = DecodeFacts,
           .clock = clock};
-}
-
-absl::Status WithQuota(absl::Status status, const MeshStoreOptions& limits, std::int64_t bytes) {
-  if (GetErrorReason(status) != ErrorReason::kQuotaExceeded) return status;
-  v1::LimitViolation violation;
-  violation.set_limit("max_stored_mesh_bytes");
-  violation.set_limit_value(limits.max_stored_bytes);
-  violation.set_requested_value(bytes);
-  SetDetail(violation, status);
-  return status;
 }
 
 }  // namespace ccst::server

@@ -14,8 +14,6 @@
 
 namespace ccst::server {
 
-/// Most digests in a `FindMissingMeshesRequest`.
-inline constexpr int kMaxDigests = 1000;
 /// Page sizes of lists.
 inline constexpr int kDefaultPageSize = 50;
 inline constexpr int kMaxPageSize = 1000;
@@ -49,8 +47,5 @@ absl::StatusOr<bool> FindHeld(MeshStore& meshes, const MeshUpload& upload, v1::M
 
 /// Decodes Draco, measures with the core, keeps facts as messages.
 MeshDependencies RealMeshDependencies(const Clock& clock);
-
-/// `status`, with a `LimitViolation` when it is the quota for meshes that `bytes` did not fit in.
-absl::Status WithQuota(absl::Status status, const MeshStoreOptions& limits, std::int64_t bytes);
 
 }  // namespace ccst::server

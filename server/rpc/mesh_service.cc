@@ -7,6 +7,7 @@
 #include "proto/convert/violations.h"
 #include "server/rpc/download_reactor.h"
 #include "server/rpc/mesh_messages.h"
+#include "server/rpc/page.h"
 #include "server/rpc/unary.h"
 #include "server/rpc/upload_reactor.h"
 
@@ -20,12 +21,14 @@ absl::StatusOr<std::string> Sha256FromName(const std::string& name) {
   return sha256;
 }
 
-absl::Status FindMissing(MeshStore& meshes, const std::string& owner,
+absl::Status FindMissing(MeshStore& meshes, const Caller& caller,
                          const v1::FindMissingMeshesRequest& request,
                          v1::FindMissingMeshesResponse& response) {
   std::vector<MeshDigest> digests;
   CCST_ASSIGN_OR_RETURN(digests, FromProto(request));
-  CCST_ASSIGN_OR_RETURN(digests, meshes.FindMissing(owner, digests));
+  // Who may only look does not keep meshes from expiring.
+  const bool is_use = caller.scope == Scope::kFull;
+  CCST_ASSIGN_OR_RETURN(digests, meshes.FindMissing(caller.visible_owner(), digests, is_use));
   for (const MeshDigest& digest : digests) *response.add_missing_digests() = ToProto(digest);
   return absl::OkStatus();
 }
@@ -54,21 +57,21 @@ absl::Status List(MeshStore& meshes, const std::string& owner, const v1::ListMes
   Violations violations;
   const int page_size = PageSize(request.page_size(), violations);
   CCST_RETURN_IF_ERROR(violations.ToStatus());
-  Page<StoredMesh> page;
-  CCST_ASSIGN_OR_RETURN(page, meshes.List(owner, page_size, request.page_token()));
-  for (const StoredMesh& mesh : page.records) *response.add_meshes() = ToProto(mesh);
-  response.set_next_page_token(std::move(page.next_token));
-  return absl::OkStatus();
+  return FillPage(
+      page_size, [&](int size) { return meshes.List(owner, size, request.page_token()); },
+      [](const StoredMesh& mesh) { return ToProto(mesh); }, *response.mutable_meshes(),
+      *response.mutable_next_page_token());
 }
 
 }  // namespace
 
 MeshService::MeshService(MeshStore& meshes, Executor& disk, Executor& decoding,
-                         const CallSupport& calls, const MeshServiceOptions& options)
-    : support_{.meshes = meshes,
+                         const StreamSupport& streams, const MeshServiceOptions& options)
+    : streams_(streams),
+      support_{.meshes = meshes,
                .disk = disk,
                .decoding = decoding,
-               .calls = calls,
+               .calls = streams.calls,
                .options = options} {}
 
 grpc::ServerUnaryReactor* MeshService::FindMissingMeshes(
@@ -76,8 +79,7 @@ grpc::ServerUnaryReactor* MeshService::FindMissingMeshes(
     v1::FindMissingMeshesResponse* response) {
   return ServeUnaryOn(support_.disk, support_.calls, *context, "FindMissingMeshes",
                       Scope::kReadOnly, *request, *response, [this, request, response](Call& call) {
-                        return FindMissing(support_.meshes, call.caller().visible_owner(), *request,
-                                           *response);
+                        return FindMissing(support_.meshes, call.caller(), *request, *response);
                       });
 }
 
@@ -91,9 +93,7 @@ grpc::ServerUnaryReactor* MeshService::CreateMesh(grpc::CallbackServerContext* c
                                                   v1::CreateMeshResponse* response) {
   return ServeUnaryOn(support_.decoding, support_.calls, *context, "CreateMesh", Scope::kFull,
                       *request, *response, [this, request, response](Call& call) {
-                        return WithQuota(
-                            Create(support_, call.caller().visible_owner(), *request, *response),
-                            support_.meshes.options(), request->header().digest().size_bytes());
+                        return Create(support_, call.caller().visible_owner(), *request, *response);
                       });
 }
 
@@ -124,7 +124,7 @@ grpc::ServerUnaryReactor* MeshService::ListMeshes(grpc::CallbackServerContext* c
 
 grpc::ServerWriteReactor<v1::DownloadMeshResponse>* MeshService::DownloadMesh(
     grpc::CallbackServerContext* context, const v1::DownloadMeshRequest* request) {
-  return new DownloadReactor(support_, *context, *request);
+  return DownloadReactor::Make<DownloadReactor>(streams_, support_, *context, *request);
 }
 
 grpc::ServerUnaryReactor* MeshService::DeleteMesh(grpc::CallbackServerContext* context,

@@ -2,6 +2,7 @@
 
 #include "ccst/v1/mesh_service.grpc.pb.h"
 #include "server/rpc/mesh_support.h"
+#include "server/rpc/stream_reactor.h"
 
 namespace ccst::server {
 
@@ -10,7 +11,7 @@ class MeshService final : public v1::MeshService::CallbackService {
  public:
   /// All arguments outlive the gRPC server, the executors too: what they still run ends calls.
   /// `disk` should let `max_uploads` tasks wait, and what other calls there are.
-  MeshService(MeshStore& meshes, Executor& disk, Executor& decoding, const CallSupport& calls,
+  MeshService(MeshStore& meshes, Executor& disk, Executor& decoding, const StreamSupport& streams,
               const MeshServiceOptions& options);
 
   grpc::ServerUnaryReactor* FindMissingMeshes(grpc::CallbackServerContext* context,
@@ -34,6 +35,7 @@ class MeshService final : public v1::MeshService::CallbackService {
                                        v1::DeleteMeshResponse* response) override;
 
  private:
+  const StreamSupport streams_;
   MeshSupport support_;
 };
 

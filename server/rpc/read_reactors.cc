@@ -6,6 +6,7 @@
 
 #include "core/base/status.h"
 #include "proto/convert/names.h"
+#include "proto/convert/samples.h"
 
 namespace ccst::server {
 namespace {
@@ -72,15 +73,16 @@ std::int64_t SamplesIn(const v1::ReadSampleMeshResponse&) { return 0; }
 
 template <typename Request, typename Response>
 ReadReactor<Request, Response>::ReadReactor(const StreamSupport& support, const JobSupport& jobs,
-                                            const grpc::CallbackServerContext& context,
+                                            grpc::CallbackServerContext& context,
                                             const Request& request)
-    : StreamReactor<Response>(support, context, MethodOf(request), Scope::kReadOnly),
+    : StreamReactor<Response>(support, context, MethodOf(request), Scope::kReadOnly,
+                              kMaxChunkBytes),
       jobs_(jobs),
       request_(request) {}
 
 template <typename Request, typename Response>
 absl::Status ReadReactor<Request, Response>::Open(Call& call) {
-  call.Received(request_);
+  CCST_RETURN_IF_ERROR(call.Received(request_));
   auto stored = Find(jobs_, request_.name(), call);
   if (!stored.ok()) return stored.status();
   CCST_RETURN_IF_ERROR(CheckStart(request_.start_index(), CountOf(*stored, request_)));

@@ -16,13 +16,14 @@ template <typename Request, typename Response>
 class ReadReactor final : public StreamReactor<Response> {
  public:
   ReadReactor(const StreamSupport& support, const JobSupport& jobs,
-              const grpc::CallbackServerContext& context, const Request& request);
+              grpc::CallbackServerContext& context, const Request& request);
 
  protected:
   absl::Status Open(Call& call) override;
   StreamStep Next(Response& message) override;
   absl::Status end_status() override { return end_status_; }
   bool MoreFollows(const Response& message) override;
+  void Close() override { chunks_.reset(); }
 
  private:
   const JobSupport& jobs_;

@@ -1,10 +1,7 @@
 #include "server/rpc/rpc_executor.h"
 
-#include <exception>
-#include <new>
-#include <string>
-
 #include "core/base/status.h"
+#include "server/base/without_throwing.h"
 
 namespace ccst::server {
 
@@ -14,15 +11,7 @@ absl::Status ExecutorFull() {
 }
 
 absl::Status RunStep(absl::FunctionRef<absl::Status()> step) {
-  try {
-    return step();
-  } catch (const std::bad_alloc&) {
-    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kOutOfMemory,
-                     "the call needs more memory than there is");
-  } catch (const std::exception& e) {
-    return MakeError(absl::StatusCode::kInternal, ErrorReason::kInternal,
-                     std::string("the call broke: ") + e.what());
-  }
+  return WithoutThrowing("the call", step);
 }
 
 }  // namespace ccst::server

@@ -1,27 +1,35 @@
 #include "server/rpc/sample_reactor.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/status.h"
+#include "proto/convert/samples.h"
 #include "server/rpc/job_messages.h"
 
 namespace ccst::server {
 namespace {
 
-// True for errors that say what is wrong with the request; these end the call, while a run that
-// broke for another reason is a failed job of a call that went well.
-bool LiesInRequest(const absl::Status& error) {
-  return absl::IsInvalidArgument(error) || absl::IsFailedPrecondition(error);
+// True for errors that say what is wrong with the request, or that the server has no room for its
+// result just now, which is worth another try; these end the call, while a run that broke for
+// another reason is a failed job of a call that went well.
+bool EndsCall(const absl::Status& error) {
+  const auto reason = GetErrorReason(error);
+  return absl::IsInvalidArgument(error) || absl::IsFailedPrecondition(error) ||
+         reason == ErrorReason::kStorageFull || reason == ErrorReason::kQueueFull;
 }
 
 }  // namespace
 
 SampleReactor::SampleReactor(const StreamSupport& support, const JobSupport& jobs,
-                             const grpc::CallbackServerContext& context, v1::SampleRequest& request)
-    : StreamReactor(support, context, "Sample", Scope::kFull), jobs_(jobs), request_(request) {}
+                             grpc::CallbackServerContext& context, v1::SampleRequest& request)
+    : StreamReactor(support, context, "Sample", Scope::kFull,
+                    std::max(kMaxChunkBytes, EventBytes(request.preview_sample_count()))),
+      jobs_(jobs),
+      request_(request) {}
 
 absl::Status SampleReactor::Open(Call& call) {
-  call.Received(request_);
+  CCST_RETURN_IF_ERROR(call.Received(request_));
   call.record().samples_requested = request_.options().sample_count();
   JobCall asked;
   CCST_ASSIGN_OR_RETURN(asked, FromProto(request_, jobs_.limits));
@@ -63,7 +71,7 @@ StreamStep SampleReactor::AfterEvents(v1::SampleResponse& message) {
                    : MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled,
                                "stopped on request"));
   }
-  if (LiesInRequest(end.error)) return End(end.error);
+  if (EndsCall(end.error)) return End(end.error);
   if (end.result != nullptr) {
     if (!chunks_.has_value()) {
       auto stored = jobs_.jobs.OpenSamples(*job_);
@@ -107,6 +115,7 @@ void SampleReactor::OnGone() {
 
 void SampleReactor::Close() {
   if (chunks_.has_value()) call().record().samples_sent = chunks_->next_sample();
+  chunks_.reset();
   if (job_ == nullptr) return;
   if (watcher_.has_value()) jobs_.jobs.Unwatch(*job_, *watcher_);
   // What cannot be written down now is cancelled when the server starts next.

@@ -17,7 +17,7 @@ class SampleReactor final : public StreamReactor<v1::SampleResponse> {
  public:
   /// Takes the mesh's bytes out of `request`.
   SampleReactor(const StreamSupport& support, const JobSupport& jobs,
-                const grpc::CallbackServerContext& context, v1::SampleRequest& request);
+                grpc::CallbackServerContext& context, v1::SampleRequest& request);
 
  protected:
   absl::Status Open(Call& call) override;

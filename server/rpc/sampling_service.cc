@@ -9,6 +9,7 @@
 #include "server/rpc/analyze_job.h"
 #include "server/rpc/job_messages.h"
 #include "server/rpc/mesh_messages.h"
+#include "server/rpc/page.h"
 #include "server/rpc/read_reactors.h"
 #include "server/rpc/sample_reactor.h"
 #include "server/rpc/unary.h"
@@ -18,19 +19,21 @@ namespace ccst::server {
 namespace {
 
 // The id in a request's `name`.
-absl::StatusOr<std::string> IdOf(const std::string& name, Call& call) {
+absl::StatusOr<std::string> IdOf(const std::string& name) {
   Violations violations;
   std::string id = IdOfJobName(name, "name", violations);
   CCST_RETURN_IF_ERROR(violations.ToStatus());
-  call.record().job = name;
   return id;
 }
 
 absl::StatusOr<std::shared_ptr<Job>> FindJob(const JobSupport& jobs, const std::string& name,
                                              Call& call) {
   std::string id;
-  CCST_ASSIGN_OR_RETURN(id, IdOf(name, call));
-  return jobs.jobs.Find(call.caller().visible_owner(), id);
+  CCST_ASSIGN_OR_RETURN(id, IdOf(name));
+  std::shared_ptr<Job> job;
+  CCST_ASSIGN_OR_RETURN(job, jobs.jobs.Find(call.caller().visible_owner(), id));
+  call.record().job = job->name();
+  return job;
 }
 
 }  // namespace
@@ -82,13 +85,11 @@ grpc::ServerUnaryReactor* SamplingService::ListJobs(grpc::CallbackServerContext*
         const int page_size = PageSize(request->page_size(), violations);
         const JobFilter filter = FromProto(*request, call.caller().visible_owner(), violations);
         CCST_RETURN_IF_ERROR(violations.ToStatus());
-        Page<JobSummary> page;
-        CCST_ASSIGN_OR_RETURN(page, jobs_.jobs.List(filter, page_size, request->page_token()));
-        for (const JobSummary& job : page.records) {
-          *response->add_jobs() = ToProto(job.id, job.spec, job.view);
-        }
-        response->set_next_page_token(std::move(page.next_token));
-        return absl::OkStatus();
+        return FillPage(
+            page_size,
+            [&](int size) { return jobs_.jobs.List(filter, size, request->page_token()); },
+            [](const JobSummary& job) { return ToProto(job.id, job.spec, job.view); },
+            *response->mutable_jobs(), *response->mutable_next_page_token());
       });
 }
 
@@ -126,8 +127,12 @@ grpc::ServerUnaryReactor* SamplingService::DeleteJob(grpc::CallbackServerContext
   return ServeUnaryOn(jobs_.disk, support_.calls, *context, "DeleteJob", Scope::kFull, *request,
                       *response, [this, request](Call& call) -> absl::Status {
                         std::string id;
-                        CCST_ASSIGN_OR_RETURN(id, IdOf(request->name(), call));
-                        return jobs_.jobs.Delete(call.caller().visible_owner(), id);
+                        CCST_ASSIGN_OR_RETURN(id, IdOf(request->name()));
+                        absl::Status status = jobs_.jobs.Delete(call.caller().visible_owner(), id);
+                        // Else nobody knows whether there is such a job.
+                        const bool is_known = status.ok() || absl::IsFailedPrecondition(status);
+                        if (is_known) call.record().job = JobName(id);
+                        return status;
                       });
 }
 
@@ -135,7 +140,7 @@ grpc::ServerUnaryReactor* SamplingService::AnalyzeJob(grpc::CallbackServerContex
                                                       const v1::AnalyzeJobRequest* request,
                                                       v1::AnalyzeJobResponse* response) {
   return ServeStoppableOn(
-      jobs_.analyses, support_.calls, *context, "AnalyzeJob", Scope::kReadOnly, *request, *response,
+      jobs_.analyses, support_.calls, *context, "AnalyzeJob", Scope::kFull, *request, *response,
       [this, request, response](Call& call, const std::stop_token& stop) -> absl::Status {
         std::shared_ptr<Job> job;
         CCST_ASSIGN_OR_RETURN(job, FindJob(jobs_, request->name(), call));

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "core/base/version.h"
+#include "core/io/image_file.h"
+#include "core/mesh/attributes.h"
 #include "core/sampling/algorithm_revision.h"
 #include "core/sampling/sampling.h"
 #include "proto/convert/scalars.h"
@@ -11,7 +13,8 @@
 namespace ccst::server {
 
 v1::ServerLimits LimitsToProto(const RequestLimits& request, const MeshStoreOptions& meshes,
-                               const MeshServiceOptions& transfers, const JobManagerOptions& jobs) {
+                               const MeshServiceOptions& transfers, const JobManagerOptions& jobs,
+                               const StreamLimits& streams, std::int64_t max_data_bytes) {
   v1::ServerLimits limits;
   limits.set_max_mesh_bytes(meshes.max_mesh_bytes);
   limits.set_max_inline_mesh_bytes(request.max_inline_mesh_bytes);
@@ -27,6 +30,14 @@ v1::ServerLimits LimitsToProto(const RequestLimits& request, const MeshStoreOpti
   limits.set_max_running_jobs(jobs.runner.max_running_jobs);
   limits.set_max_watchers_per_job(jobs.max_watchers_per_job);
   limits.set_max_job_memory_bytes(jobs.memory_budget_bytes);
+  limits.set_max_texture_pixels(ImageLimits{}.max_pixels);
+  limits.set_max_uploads_per_caller(transfers.max_uploads_per_caller);
+  limits.set_max_data_bytes(max_data_bytes);
+  limits.set_max_stream_bytes_per_caller(streams.most_bytes_of_caller());
+  limits.set_max_stream_bytes(streams.most_bytes);
+  limits.set_max_decoded_mesh_bytes(meshes.decode_limits.max_decoded_bytes);
+  limits.set_max_attribute_count(static_cast<std::int32_t>(kMaxAttributes));
+  limits.set_max_record_bytes_per_caller(jobs.records.max_owner_bytes);
   *limits.mutable_max_job_duration() = DurationToProto(request.max_job_seconds);
   *limits.mutable_job_retention_duration() = DurationToProto(absl::ToDoubleSeconds(jobs.retention));
   *limits.mutable_mesh_retention_duration() =

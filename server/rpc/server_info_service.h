@@ -8,12 +8,14 @@
 #include "server/jobs/job_manager.h"
 #include "server/rpc/call.h"
 #include "server/rpc/mesh_support.h"
+#include "server/rpc/stream_memory.h"
 
 namespace ccst::server {
 
 /// The limits as advertised.
 v1::ServerLimits LimitsToProto(const RequestLimits& request, const MeshStoreOptions& meshes,
-                               const MeshServiceOptions& transfers, const JobManagerOptions& jobs);
+                               const MeshServiceOptions& transfers, const JobManagerOptions& jobs,
+                               const StreamLimits& streams, std::int64_t max_data_bytes);
 
 /// ccst.v1.ServerInfoService.
 class ServerInfoService final : public v1::ServerInfoService::CallbackService {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,11 +12,14 @@
 #include <grpcpp/support/server_callback.h>
 
 #include "absl/status/status.h"
+#include "absl/time/time.h"
 #include "core/base/status.h"
 #include "server/base/executor.h"
 #include "server/base/mutex.h"
 #include "server/rpc/call.h"
+#include "server/rpc/idle_timer.h"
 #include "server/rpc/rpc_executor.h"
+#include "server/rpc/stream_memory.h"
 
 namespace ccst::server {
 
@@ -45,6 +49,7 @@ struct StreamSupport {
   const CallSupport& calls;
   Executor& executor;  ///< Where messages are made, which may read from the disk.
   OpenStreams& open;
+  StreamMemory& memory;
 };
 
 /// What a stream has to say next.
@@ -55,17 +60,22 @@ enum class StreamStep {
 };
 
 /// One server-streaming call: makes one message when the last one is written, as fast as the
-/// caller reads, so that a slow one costs one message of memory. Keeps itself alive until gRPC is
-/// done with it and no task of its own is under way. A derived class says what the messages are;
-/// its functions run on the executor, one at a time.
+/// caller reads, so that a slow one costs one message of memory, for which it takes a share of
+/// `StreamSupport::memory`. One that does not take a message for too long is cancelled. Keeps
+/// itself alive until gRPC is done with it and no task of its own is under way. A derived class
+/// says what the messages are; its functions run on the executor, one at a time.
 template <typename Response>
 class StreamReactor : public grpc::ServerWriteReactor<Response>,
                       public OpenStreams::Stream,
                       public std::enable_shared_from_this<StreamReactor<Response>> {
  public:
-  StreamReactor(const StreamSupport& support, const grpc::CallbackServerContext& context,
-                std::string_view method, Scope needed)
-      : support_(support), call_(std::in_place, support.calls, context, method, needed) {}
+  /// @param most_bytes  of a message
+  StreamReactor(const StreamSupport& support, grpc::CallbackServerContext& context,
+                std::string_view method, Scope needed, std::int64_t most_bytes)
+      : support_(support),
+        most_bytes_(most_bytes),
+        context_(&context),
+        call_(std::in_place, support.calls, context, method, needed) {}
 
   /// Makes a reactor of type T and starts it.
   template <typename T, typename... Args>
@@ -77,6 +87,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
   }
 
   void OnWriteDone(bool ok) final {
+    write_timer_->Stop();
     {
       MutexLock lock(mutex_);
       writing_ = false;
@@ -96,9 +107,14 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
 
   void OnDone() final {
     support_.open.Remove(this->shared_from_this());
+    {
+      MutexLock lock(context_mutex_);
+      context_ = nullptr;
+    }
     // What blocks must not run here; the last task lets go of the reactor.
     Post([this] {
       Close();
+      share_.reset();
       MutexLock lock(mutex_);
       call_.reset();
     });
@@ -141,8 +157,13 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
   void Start() {
     self_ = this->shared_from_this();
     support_.open.Add(self_);
-    Post([this] {
+    write_timer_.emplace(absl::Seconds(support_.memory.limits().longest_write_seconds),
+                         [weak = this->weak_from_this()] {
+                           if (const auto self = weak.lock()) self->OnWriteTooLong();
+                         });
+    const bool accepted = support_.executor.Run([self = self_, this] {
       absl::Status status = call_->admission();
+      if (status.ok()) status = TakeMemory();
       if (status.ok()) status = RunStep([this] { return Open(*call_); });
       {
         MutexLock lock(mutex_);
@@ -151,6 +172,9 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
       }
       WriteNext();
     });
+    if (accepted) return;
+    MutexLock lock(mutex_);
+    FinishWith(call_->admission().ok() ? ExecutorFull() : call_->admission());
   }
 
   void Post(std::function<void()> task) {
@@ -163,7 +187,8 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
     if (!opened_ || writing_ || finished_) return;
     if (caller_gone_) {
       FinishWith(MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled,
-                           "the caller went away or its deadline passed"));
+                           too_long_ ? "the caller did not take a message for too long"
+                                     : "the caller went away or its deadline passed"));
       return;
     }
     StreamStep step = StreamStep::kEnd;
@@ -184,7 +209,27 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
     writing_ = true;
     pulsed_ = false;
     call_->Sent(message_);
+    write_timer_->Start();
     this->StartWrite(&message_, options);
+  }
+
+  absl::Status TakeMemory() {
+    auto share = support_.memory.Take(call_->caller().owner, StreamBytes(most_bytes_));
+    if (!share.ok()) return share.status();
+    share_.emplace(*std::move(share));
+    return absl::OkStatus();
+  }
+
+  void OnWriteTooLong() {
+    {
+      MutexLock lock(mutex_);
+      if (!writing_) return;
+      too_long_ = true;
+    }
+    // The write fails then, and what it keeps is freed. Reactions to that come on other threads, or
+    // on this one after it has returned to gRPC, whose timer this is.
+    MutexLock lock(context_mutex_);
+    if (context_ != nullptr) context_->TryCancel();
   }
 
   void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
@@ -193,7 +238,14 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
   }
 
   const StreamSupport support_;
+  const std::int64_t most_bytes_;
   std::shared_ptr<StreamReactor> self_;
+  std::optional<IdleTimer> write_timer_;
+  std::optional<StreamMemory::Share> share_;  // Of the tasks.
+
+  Mutex context_mutex_;
+  // Null once gRPC is done with the call.
+  grpc::CallbackServerContext* context_ ABSL_GUARDED_BY(context_mutex_);
 
   Mutex mutex_;
   std::optional<Call> call_;
@@ -201,6 +253,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
   bool opened_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool caller_gone_ ABSL_GUARDED_BY(mutex_) = false;
+  bool too_long_ ABSL_GUARDED_BY(mutex_) = false;  // That is why it is gone.
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   bool pulsed_ ABSL_GUARDED_BY(mutex_) = false;  // Since the last message.
   bool quiet_ ABSL_GUARDED_BY(mutex_) = false;   // For a whole pulse.

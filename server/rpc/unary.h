@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include <google/protobuf/message_lite.h>
+#include <google/protobuf/message.h>
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
@@ -22,18 +22,20 @@ namespace ccst::server {
 template <typename Response, typename Handle>
 void FinishOn(Executor& executor, grpc::ServerUnaryReactor* reactor, const CallSupport& support,
               const grpc::CallbackServerContext& context, std::string_view method, Scope needed,
-              const google::protobuf::MessageLite& request, Response& response, Handle handle) {
+              const google::protobuf::Message& request, Response& response, Handle handle) {
   const auto call = std::make_shared<std::optional<Call>>();
   call->emplace(support, context, method, needed);
-  (*call)->Received(request);
+  const absl::Status received = (*call)->Received(request);
   // Leaves the call's line before the answer.
   const auto finish = [reactor, call](const absl::Status& status) {
     const grpc::Status end = (*call)->End(status);
     call->reset();
     reactor->Finish(end);
   };
-  if (!(*call)->admission().ok()) {
-    finish((*call)->admission());
+  absl::Status admitted = (*call)->admission();
+  admitted.Update(received);
+  if (!admitted.ok()) {
+    finish(admitted);
     return;
   }
   const bool accepted =
@@ -53,8 +55,8 @@ template <typename Response, typename Handle>
 grpc::ServerUnaryReactor* ServeUnaryOn(Executor& executor, const CallSupport& support,
                                        grpc::CallbackServerContext& context,
                                        std::string_view method, Scope needed,
-                                       const google::protobuf::MessageLite& request,
-                                       Response& response, Handle handle) {
+                                       const google::protobuf::Message& request, Response& response,
+                                       Handle handle) {
   grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
   FinishOn(executor, reactor, support, context, method, needed, request, response,
            std::move(handle));
@@ -81,7 +83,7 @@ template <typename Response, typename Handle>
 grpc::ServerUnaryReactor* ServeStoppableOn(Executor& executor, const CallSupport& support,
                                            grpc::CallbackServerContext& context,
                                            std::string_view method, Scope needed,
-                                           const google::protobuf::MessageLite& request,
+                                           const google::protobuf::Message& request,
                                            Response& response, Handle handle) {
   auto* reactor = new StoppableReactor;  // Until OnDone().
   FinishOn(executor, reactor, support, context, method, needed, request, response,

@@ -79,7 +79,8 @@ void UploadReactor::OnReadDone(bool ok) {
   MutexLock lock(mutex_);
   reading_ = false;
   if (finished_) return;
-  if (ok) call_->Received(message_);
+  const absl::Status received = ok ? call_->Received(message_) : absl::OkStatus();
+  if (!received.ok()) return FinishWith(received);
   const absl::StatusOr<Step> step = Next(ok);
   if (!step.ok()) return FinishWith(step.status());
   Post(*step);
@@ -147,9 +148,7 @@ absl::Status UploadReactor::TakeHeader() {
     return absl::OkStatus();
   }
   auto writer = support_.meshes.Begin(upload_);
-  if (!writer.ok()) {
-    return WithQuota(writer.status(), support_.meshes.options(), upload_.size_bytes);
-  }
+  if (!writer.ok()) return writer.status();
   writer_ = *std::move(writer);
   return absl::OkStatus();
 }
@@ -159,7 +158,7 @@ absl::Status UploadReactor::AppendChunk() { return writer_->Append(message_.chun
 absl::Status UploadReactor::StoreMesh() {
   message_.Clear();
   const auto mesh = support_.meshes.Finish(upload_, *writer_);
-  if (!mesh.ok()) return WithQuota(mesh.status(), support_.meshes.options(), upload_.size_bytes);
+  if (!mesh.ok()) return mesh.status();
   *response_.mutable_mesh() = ToProto(*mesh);
   stored_ = true;
   return absl::OkStatus();

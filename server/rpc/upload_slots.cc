@@ -2,15 +2,14 @@
 
 #include <utility>
 
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
 
 namespace ccst::server {
 namespace {
 
-absl::Status Taken(ErrorReason reason, const std::string& who, int most) {
-  return MakeError(
-      absl::StatusCode::kResourceExhausted, reason,
-      who + std::to_string(most) + " uploads under way, as many as may be; try again later");
+std::string Taken(const std::string& who, int most) {
+  return who + std::to_string(most) + " uploads under way, as many as may be; try again later";
 }
 
 }  // namespace
@@ -24,11 +23,15 @@ UploadSlots::Slot::~Slot() {
 
 absl::StatusOr<UploadSlots::Slot> UploadSlots::Take(const std::string& caller) {
   MutexLock lock(mutex_);
-  if (taken_ >= most_) return Taken(ErrorReason::kQueueFull, "there are ", most_);
+  if (taken_ >= most_) {
+    return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQueueFull,
+                     Taken("there are ", most_));
+  }
   int& own = by_caller_[caller];  // There while it is not 0.
   if (own >= most_of_caller_) {
     if (own == 0) by_caller_.erase(caller);
-    return Taken(ErrorReason::kQuotaExceeded, "the caller has ", most_of_caller_);
+    return OverQuota({"max_uploads_per_caller", most_of_caller_, most_of_caller_ + 1},
+                     Taken("the caller has ", most_of_caller_));
   }
   ++own;
   ++taken_;

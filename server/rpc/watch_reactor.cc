@@ -10,14 +10,14 @@
 namespace ccst::server {
 
 WatchReactor::WatchReactor(const StreamSupport& support, const JobSupport& jobs,
-                           const grpc::CallbackServerContext& context,
-                           const v1::WatchJobRequest& request)
-    : StreamReactor(support, context, "WatchJob", Scope::kReadOnly),
+                           grpc::CallbackServerContext& context, const v1::WatchJobRequest& request)
+    : StreamReactor(support, context, "WatchJob", Scope::kReadOnly,
+                    EventBytes(request.preview_sample_count())),
       jobs_(jobs),
       request_(request) {}
 
 absl::Status WatchReactor::Open(Call& call) {
-  call.Received(request_);
+  CCST_RETURN_IF_ERROR(call.Received(request_));
   Violations violations;
   const std::string id = IdOfJobName(request_.name(), "name", violations);
   if (request_.after_sequence() < 0) {
@@ -34,6 +34,7 @@ absl::Status WatchReactor::Open(Call& call) {
   CCST_RETURN_IF_ERROR(violations.ToStatus());
   CCST_ASSIGN_OR_RETURN(job_, jobs_.jobs.Find(call.caller().visible_owner(), id));
   call.record().job = job_->name();
+  CCST_RETURN_IF_ERROR(job_->history_status());
   events_.emplace(job_, request_.after_sequence(), request_.preview_sample_count());
   CCST_ASSIGN_OR_RETURN(watcher_, jobs_.jobs.Watch(
                                       *job_, [this] { Pump(); }, request_.preview_sample_count()));

@@ -14,7 +14,7 @@ namespace ccst::server {
 class WatchReactor final : public StreamReactor<v1::WatchJobResponse> {
  public:
   WatchReactor(const StreamSupport& support, const JobSupport& jobs,
-               const grpc::CallbackServerContext& context, const v1::WatchJobRequest& request);
+               grpc::CallbackServerContext& context, const v1::WatchJobRequest& request);
 
  protected:
   absl::Status Open(Call& call) override;

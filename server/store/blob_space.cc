@@ -1,6 +1,7 @@
 #include "server/store/blob_space.h"
 
 #include "absl/strings/str_cat.h"
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
 
 namespace ccst::server {
@@ -22,8 +23,18 @@ void BlobSpace::Count(std::int64_t bytes) {
   used_bytes_ += bytes;
 }
 
+std::int64_t BlobSpace::used_bytes() const {
+  MutexLock lock(mutex_);
+  return used_bytes_;
+}
+
 absl::Status BlobSpace::CheckLocked(std::int64_t bytes) const {
   if (bytes <= limit_bytes_ - used_bytes_) return absl::OkStatus();
+  if (bytes > limit_bytes_) {
+    return OverLimit({"max_data_bytes", limit_bytes_, bytes},
+                     absl::StrCat(bytes, " bytes are to be kept; the server keeps at most ",
+                                  limit_bytes_, " bytes of meshes, images and samples"));
+  }
   return MakeError(
       absl::StatusCode::kResourceExhausted, ErrorReason::kStorageFull,
       absl::StrCat("the server keeps ", used_bytes_, " bytes of meshes and samples, of ",

@@ -9,6 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/sha256.h"
 
 namespace ccst::server {
 
@@ -18,7 +19,9 @@ class BlobWriter {
  public:
   virtual ~BlobWriter() = default;
 
-  /// @errors RESOURCE_EXHAUSTED STORAGE_FULL | INTERNAL STORAGE_FAILED
+  /// @errors RESOURCE_EXHAUSTED STORAGE_FULL | QUEUE_FULL | INVALID_ARGUMENT LIMIT_EXCEEDED the
+  /// bytes
+  ///         alone are over the limit on all blobs | INTERNAL STORAGE_FAILED
   virtual absl::Status Append(std::string_view bytes) = 0;
   virtual std::int64_t size_bytes() const = 0;
 
@@ -38,9 +41,13 @@ class Blob {
   /// Fills `out` from `offset`; the range must be inside.
   /// @errors INTERNAL STORAGE_FAILED
   virtual absl::Status Read(std::int64_t offset, std::span<char> out) const = 0;
+  /// A reader found that the bytes are not those of the digest: the next BlobStore::Check() looks.
+  virtual void Doubt() const = 0;
 };
 
-/// Immutable byte strings, each under the SHA-256 of its content. Thread-safe.
+/// Immutable byte strings, each under the SHA-256 of its content. What is read may be damaged:
+/// readers check it, by ReadWhole(), CheckedReader or sums of their own. Committing the right bytes
+/// heals a damaged blob. Thread-safe.
 class BlobStore {
  public:
   virtual ~BlobStore() = default;
@@ -51,10 +58,20 @@ class BlobStore {
   /// @errors NOT_FOUND NOT_FOUND | INTERNAL STORAGE_FAILED
   virtual absl::StatusOr<std::shared_ptr<const Blob>> Open(const std::string& sha256) const = 0;
 
-  /// RESOURCE_EXHAUSTED STORAGE_FULL when `bytes` more are over the limit on all blobs.
+  /// RESOURCE_EXHAUSTED STORAGE_FULL when `bytes` more are over the limit on all blobs, or more
+  /// than the disk has; INVALID_ARGUMENT LIMIT_EXCEEDED when they alone are over the limit.
   virtual absl::Status CheckRoom(std::int64_t bytes) const = 0;
 
+  /// What counts towards that limit: of all blobs, those on their way included.
+  virtual std::int64_t used_bytes() const = 0;
+
   virtual bool Contains(const std::string& sha256) const = 0;
+
+  /// Whether it is there with the bytes that its digest names. Reads and hashes all of them unless
+  /// this was found, or they were written, since somebody last wrote to them.
+  /// @errors NOT_FOUND NOT_FOUND | DATA_LOSS STORAGE_FAILED they are damaged
+  ///       | INTERNAL STORAGE_FAILED
+  virtual absl::Status Check(const std::string& sha256) const = 0;
 
   /// Nothing happens when it is not there.
   virtual absl::Status Remove(const std::string& sha256) = 0;
@@ -63,8 +80,34 @@ class BlobStore {
   virtual absl::StatusOr<std::vector<std::string>> List() const = 0;
 };
 
+/// Reads a blob from its begin to its end, and knows at the end whether the bytes were right. Not
+/// thread-safe.
+class CheckedReader {
+ public:
+  CheckedReader(std::shared_ptr<const Blob> blob, std::string sha256);
+
+  std::int64_t size_bytes() const { return blob_->size_bytes(); }
+  /// Where the next bytes begin.
+  std::int64_t offset() const { return offset_; }
+  bool at_end() const { return offset_ == size_bytes(); }
+
+  /// Fills `out`, at most what is left, with the next bytes. The last ones are only given when all
+  /// were right.
+  /// @errors DATA_LOSS STORAGE_FAILED they were not | as Blob::Read()
+  absl::Status Next(std::span<char> out);
+
+ private:
+  const std::shared_ptr<const Blob> blob_;
+  const std::string sha256_;
+  std::int64_t offset_ = 0;
+  Sha256 hash_;
+};
+
+/// DATA_LOSS STORAGE_FAILED: the stored bytes of `sha256` are others.
+absl::Status DamagedBlob(const std::string& sha256);
+
 /// The whole blob, checked against its digest.
-/// @errors as BlobStore::Open() | INTERNAL STORAGE_FAILED when the bytes are damaged
+/// @errors as BlobStore::Open() | DATA_LOSS STORAGE_FAILED when the bytes are damaged
 absl::StatusOr<std::string> ReadWhole(const BlobStore& blobs, const std::string& sha256);
 
 /// Stores `bytes` and returns their digest. Errors as BlobWriter::Append().

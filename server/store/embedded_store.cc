@@ -3,20 +3,51 @@
 #include <utility>
 
 #include "core/base/status.h"
+#include "server/store/storage_error.h"
 
 namespace ccst::server {
 
-EmbeddedStore::EmbeddedStore(FileDescriptor lock, std::unique_ptr<FileBlobs> blobs,
-                             std::unique_ptr<Database> database)
+EmbeddedStore::EmbeddedStore(FileDescriptor lock, std::unique_ptr<SpaceReserve> reserve,
+                             std::unique_ptr<FileBlobs> blobs, std::unique_ptr<Database> database)
     : lock_(std::move(lock)),
+      reserve_(std::move(reserve)),
       blobs_(std::move(blobs)),
       database_(std::move(database)),
       meshes_(*database_),
       jobs_(*database_) {}
 
+bool EmbeddedStore::MendsDamage(const absl::Status& status) {
+  return GetErrorReason(status) == ErrorReason::kStorageFailed &&
+         database_->RunScript("REINDEX").ok();
+}
+
+bool EmbeddedStore::Mends(const absl::Status& status) {
+  if (MendsDamage(status)) return true;
+  if (GetErrorReason(status) != ErrorReason::kStorageFull) return false;
+  reserve_->GiveUp();
+  return true;
+}
+
+absl::Status EmbeddedStore::Freed(absl::Status status) {
+  if (status.ok() && !reserve_->is_whole()) {
+    // From the log back into the records, which have the pages already: the next change finds the
+    // room that this one took. Where it fails, the log grows a little further.
+    database_->Checkpoint().IgnoreError();
+    reserve_->Restore();
+  }
+  return status;
+}
+
+absl::Status EmbeddedStore::CheckGrowth() const {
+  return reserve_->Restore() ? absl::OkStatus() : NoSpace("cannot write the records");
+}
+
 absl::Status EmbeddedStore::PutMesh(const MeshRecord& mesh) {
+  CCST_RETURN_IF_ERROR(CheckGrowth());
   const MutexLock lock(mutex_);
-  return meshes_.Put(mesh);
+  absl::Status status = meshes_.Put(mesh);
+  if (MendsDamage(status)) status = meshes_.Put(mesh);
+  return status;
 }
 
 absl::StatusOr<std::optional<MeshRecord>> EmbeddedStore::GetMesh(const std::string& owner,
@@ -25,10 +56,14 @@ absl::StatusOr<std::optional<MeshRecord>> EmbeddedStore::GetMesh(const std::stri
   return meshes_.Get(owner, sha256);
 }
 
-absl::Status EmbeddedStore::TouchMesh(const std::string& owner, const std::string& sha256,
-                                      absl::Time expire_time) {
+absl::Status EmbeddedStore::TouchMeshes(const std::string& owner,
+                                        const std::vector<std::string>& sha256s,
+                                        absl::Time expire_time) {
+  CCST_RETURN_IF_ERROR(CheckGrowth());
   const MutexLock lock(mutex_);
-  return meshes_.Touch(owner, sha256, expire_time);
+  absl::Status status = meshes_.Touch(owner, sha256s, expire_time);
+  if (MendsDamage(status)) status = meshes_.Touch(owner, sha256s, expire_time);
+  return status;
 }
 
 absl::StatusOr<Page<MeshRecord>> EmbeddedStore::ListMeshes(const std::string& owner, int page_size,
@@ -39,7 +74,9 @@ absl::StatusOr<Page<MeshRecord>> EmbeddedStore::ListMeshes(const std::string& ow
 
 absl::Status EmbeddedStore::DeleteMesh(const std::string& owner, const std::string& sha256) {
   const MutexLock lock(mutex_);
-  return meshes_.Delete(owner, sha256);
+  absl::Status status = meshes_.Delete(owner, sha256);
+  if (Mends(status)) status = meshes_.Delete(owner, sha256);
+  return Freed(std::move(status));
 }
 
 absl::StatusOr<std::int64_t> EmbeddedStore::MeshBytes(const std::string& owner) {
@@ -47,9 +84,14 @@ absl::StatusOr<std::int64_t> EmbeddedStore::MeshBytes(const std::string& owner) 
   return meshes_.SumOfBytes(owner);
 }
 
-absl::StatusOr<std::vector<MeshRecord>> EmbeddedStore::ExpiredMeshes(absl::Time now, int limit) {
+absl::StatusOr<std::vector<MeshRecord>> EmbeddedStore::DropExpiredMeshes(absl::Time now,
+                                                                         int limit) {
   const MutexLock lock(mutex_);
-  return meshes_.Expired(now, limit);
+  auto dropped = meshes_.DropExpired(now, limit);
+  // The reserve has room for little.
+  if (Mends(dropped.status())) dropped = meshes_.DropExpired(now, 1);
+  if (dropped.ok() && !dropped->empty()) Freed(absl::OkStatus()).IgnoreError();
+  return dropped;
 }
 
 absl::StatusOr<std::vector<MeshRecord>> EmbeddedStore::IdleMeshes(const std::string& owner) {
@@ -64,18 +106,50 @@ absl::StatusOr<bool> EmbeddedStore::IsMeshInUse(const std::string& owner,
 }
 
 absl::StatusOr<JobRecord> EmbeddedStore::AddJob(const JobRecord& job) {
+  CCST_RETURN_IF_ERROR(CheckGrowth());
   const MutexLock lock(mutex_);
-  return jobs_.Add(job);
+  return jobs_.Add(job, "");
+}
+
+absl::StatusOr<JobRecord> EmbeddedStore::AddEndedJob(const JobRecord& job,
+                                                     const std::string& history) {
+  CCST_RETURN_IF_ERROR(CheckGrowth());
+  const MutexLock lock(mutex_);
+  return jobs_.Add(job, history);
 }
 
 absl::Status EmbeddedStore::MarkCancelling(const std::string& id) {
   const MutexLock lock(mutex_);
-  return jobs_.MarkCancelling(id);
+  absl::Status status = jobs_.MarkCancelling(id);
+  if (Mends(status)) status = jobs_.MarkCancelling(id);
+  return Freed(std::move(status));
+}
+
+absl::Status EmbeddedStore::CountStart(const std::string& id) {
+  CCST_RETURN_IF_ERROR(CheckGrowth());
+  const MutexLock lock(mutex_);
+  return jobs_.AddToStarts(id, 1);
+}
+
+absl::Status EmbeddedStore::GiveBackStart(const std::string& id) {
+  const MutexLock lock(mutex_);
+  absl::Status status = jobs_.AddToStarts(id, -1);
+  if (Mends(status)) status = jobs_.AddToStarts(id, -1);
+  return Freed(std::move(status));
 }
 
 absl::Status EmbeddedStore::EndJob(const JobRecord& job, const std::string& history) {
   const MutexLock lock(mutex_);
-  return jobs_.End(job, history);
+  if (!job.samples_sha256.empty()) {
+    CCST_RETURN_IF_ERROR(CheckGrowth());
+    absl::Status status = jobs_.End(job, history);
+    if (MendsDamage(status)) status = jobs_.End(job, history);
+    return status;
+  }
+  // It is little, and what was cancelled or failed must not hang on a full disk.
+  absl::Status status = jobs_.End(job, history);
+  if (Mends(status)) status = jobs_.End(job, history);
+  return Freed(std::move(status));
 }
 
 absl::StatusOr<std::optional<JobRecord>> EmbeddedStore::GetJob(const std::string& id) {
@@ -113,12 +187,32 @@ absl::StatusOr<std::optional<JobRecord>> EmbeddedStore::FindReusable(const std::
 
 absl::Status EmbeddedStore::DeleteJob(const std::string& id) {
   const MutexLock lock(mutex_);
-  return jobs_.Delete(id);
+  absl::Status status = jobs_.Delete(id);
+  if (Mends(status)) status = jobs_.Delete(id);
+  return Freed(std::move(status));
 }
 
-absl::StatusOr<std::vector<std::string>> EmbeddedStore::ExpiredJobs(absl::Time now, int limit) {
+absl::StatusOr<std::vector<DroppedJob>> EmbeddedStore::DropExpiredJobs(absl::Time now, int limit) {
   const MutexLock lock(mutex_);
-  return jobs_.Expired(now, limit);
+  auto dropped = jobs_.DropExpired(now, limit);
+  if (Mends(dropped.status())) dropped = jobs_.DropExpired(now, 1);
+  if (dropped.ok() && !dropped->empty()) Freed(absl::OkStatus()).IgnoreError();
+  return dropped;
+}
+
+absl::StatusOr<std::int64_t> EmbeddedStore::RecordBytes(const std::string& owner) {
+  const MutexLock lock(mutex_);
+  Statement statement =
+      database_->Cached("SELECT coalesce(sum(bytes), 0) FROM record_totals WHERE owner = ?");
+  if (statement.Bind(owner).Next()) return statement.Int(0);
+  return statement.status();
+}
+
+absl::StatusOr<std::int64_t> EmbeddedStore::AllRecordBytes() {
+  const MutexLock lock(mutex_);
+  Statement statement = database_->Cached("SELECT coalesce(sum(bytes), 0) FROM record_totals");
+  if (statement.Next()) return statement.Int(0);
+  return statement.status();
 }
 
 absl::StatusOr<bool> EmbeddedStore::IsReferenced(const std::string& sha256) {

@@ -11,6 +11,7 @@
 #include "server/store/files.h"
 #include "server/store/job_table.h"
 #include "server/store/mesh_table.h"
+#include "server/store/space_reserve.h"
 #include "server/store/sqlite.h"
 #include "server/store/store.h"
 
@@ -20,26 +21,29 @@ namespace ccst::server {
 class EmbeddedStore : public Store {
  public:
   /// What OpenEmbeddedStore() has opened; `lock` keeps others out.
-  EmbeddedStore(FileDescriptor lock, std::unique_ptr<FileBlobs> blobs,
-                std::unique_ptr<Database> database);
+  EmbeddedStore(FileDescriptor lock, std::unique_ptr<SpaceReserve> reserve,
+                std::unique_ptr<FileBlobs> blobs, std::unique_ptr<Database> database);
 
   BlobStore& blobs() override { return *blobs_; }
 
   absl::Status PutMesh(const MeshRecord& mesh) override;
   absl::StatusOr<std::optional<MeshRecord>> GetMesh(const std::string& owner,
                                                     const std::string& sha256) override;
-  absl::Status TouchMesh(const std::string& owner, const std::string& sha256,
-                         absl::Time expire_time) override;
+  absl::Status TouchMeshes(const std::string& owner, const std::vector<std::string>& sha256s,
+                           absl::Time expire_time) override;
   absl::StatusOr<Page<MeshRecord>> ListMeshes(const std::string& owner, int page_size,
                                               const std::string& page_token) override;
   absl::Status DeleteMesh(const std::string& owner, const std::string& sha256) override;
   absl::StatusOr<std::int64_t> MeshBytes(const std::string& owner) override;
-  absl::StatusOr<std::vector<MeshRecord>> ExpiredMeshes(absl::Time now, int limit) override;
+  absl::StatusOr<std::vector<MeshRecord>> DropExpiredMeshes(absl::Time now, int limit) override;
   absl::StatusOr<std::vector<MeshRecord>> IdleMeshes(const std::string& owner) override;
   absl::StatusOr<bool> IsMeshInUse(const std::string& owner, const std::string& sha256) override;
 
   absl::StatusOr<JobRecord> AddJob(const JobRecord& job) override;
+  absl::StatusOr<JobRecord> AddEndedJob(const JobRecord& job, const std::string& history) override;
   absl::Status MarkCancelling(const std::string& id) override;
+  absl::Status CountStart(const std::string& id) override;
+  absl::Status GiveBackStart(const std::string& id) override;
   absl::Status EndJob(const JobRecord& job, const std::string& history) override;
   absl::StatusOr<std::optional<JobRecord>> GetJob(const std::string& id) override;
   absl::StatusOr<std::optional<JobRecord>> FindRequest(const std::string& owner,
@@ -51,12 +55,28 @@ class EmbeddedStore : public Store {
   absl::StatusOr<std::optional<JobRecord>> FindReusable(const std::string& spec_digest,
                                                         absl::Time now) override;
   absl::Status DeleteJob(const std::string& id) override;
-  absl::StatusOr<std::vector<std::string>> ExpiredJobs(absl::Time now, int limit) override;
+  absl::StatusOr<std::vector<DroppedJob>> DropExpiredJobs(absl::Time now, int limit) override;
+
+  absl::StatusOr<std::int64_t> RecordBytes(const std::string& owner) override;
+  absl::StatusOr<std::int64_t> AllRecordBytes() override;
 
   absl::StatusOr<bool> IsReferenced(const std::string& sha256) override;
 
  private:
+  // True when the change that failed with `status` is to be tried again: an entry of an index that
+  // damage has changed keeps its row from being changed or deleted, so that the indexes are made
+  // anew, which takes time in proportion to all records.
+  bool MendsDamage(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // The same, also for changes that free more than they take: on a full disk they have the space of
+  // the reserve.
+  bool Mends(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // After such a change: what it took of the reserve comes back. Returns `status`.
+  absl::Status Freed(absl::Status status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // STORAGE_FULL while the reserve is not whole: its space is for those changes alone.
+  absl::Status CheckGrowth() const;
+
   const FileDescriptor lock_;
+  const std::unique_ptr<SpaceReserve> reserve_;
   const std::unique_ptr<FileBlobs> blobs_;
   const std::unique_ptr<Database> database_;
   Mutex mutex_;

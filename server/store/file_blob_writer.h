@@ -7,22 +7,19 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/base/sha256.h"
-#include "server/store/blob_space.h"
+#include "server/store/blob_folder.h"
 #include "server/store/blob_store.h"
 #include "server/store/files.h"
 
 namespace ccst::server {
 
-/// Where the blob of a digest is below the folder of all blobs.
-std::string BlobPath(const std::string& sha256);
-
 /// Writes one blob of FileBlobs.
 class FileBlobWriter : public BlobWriter {
  public:
-  /// Starts the file `name` in `incoming`; directories and space must outlive the writer.
-  static absl::StatusOr<std::unique_ptr<BlobWriter>> Create(const FileDescriptor& blobs,
+  /// Starts the file `name` in `incoming`; both folders must outlive the writer.
+  static absl::StatusOr<std::unique_ptr<BlobWriter>> Create(BlobFolder& blobs,
                                                             const FileDescriptor& incoming,
-                                                            std::string name, BlobSpace& space);
+                                                            std::string name);
   ~FileBlobWriter() override;
 
   absl::Status Append(std::string_view bytes) override;
@@ -31,16 +28,15 @@ class FileBlobWriter : public BlobWriter {
   absl::Status Commit() override;
 
  private:
-  FileBlobWriter(const FileDescriptor& blobs, const FileDescriptor& incoming, std::string name,
-                 FileDescriptor file, BlobSpace& space);
+  FileBlobWriter(BlobFolder& blobs, const FileDescriptor& incoming, std::string name,
+                 FileDescriptor file);
   absl::Status Fail(absl::Status status);
   void Discard();
 
-  const FileDescriptor& blobs_;
+  BlobFolder& blobs_;
   const FileDescriptor& incoming_;
   const std::string name_;
   FileDescriptor file_;
-  BlobSpace& space_;
   std::int64_t size_bytes_ = 0;
   Sha256 hash_;
   std::string sha256_;

@@ -1,6 +1,8 @@
 #include "server/store/file_blobs.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <utility>
 
 #include <dirent.h>
@@ -20,11 +22,18 @@ namespace {
 // By the first two digits.
 constexpr int kFolderCount = 256;
 constexpr char kReading[] = "cannot read a blob";
+constexpr std::int64_t kPieceBytes = std::int64_t{1} << 20;
+
+}  // namespace
 
 class FileBlob : public Blob {
  public:
-  FileBlob(FileDescriptor file, std::int64_t size_bytes)
-      : file_(std::move(file)), size_bytes_(size_bytes) {}
+  FileBlob(FileDescriptor file, std::int64_t size_bytes, std::string sha256,
+           std::shared_ptr<KnownBlobs> known)
+      : file_(std::move(file)),
+        size_bytes_(size_bytes),
+        sha256_(std::move(sha256)),
+        known_(std::move(known)) {}
 
   std::int64_t size_bytes() const override { return size_bytes_; }
 
@@ -44,10 +53,18 @@ class FileBlob : public Blob {
     return absl::OkStatus();
   }
 
+  void Doubt() const override { known_->Forget(sha256_); }
+
+  const FileDescriptor& file() const { return file_; }
+
  private:
   const FileDescriptor file_;
   const std::int64_t size_bytes_;
+  const std::string sha256_;
+  const std::shared_ptr<KnownBlobs> known_;
 };
+
+namespace {
 
 // The names in a directory but for "." and "..".
 absl::StatusOr<std::vector<std::string>> NamesIn(const FileDescriptor& parent, const char* name) {
@@ -71,7 +88,8 @@ std::string FolderOf(int index) { return absl::StrCat(absl::Hex(index, absl::kZe
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<FileBlobs>> FileBlobs::Open(const FileDescriptor& directory,
-                                                           std::int64_t max_bytes) {
+                                                           std::int64_t max_bytes,
+                                                           SpaceReserve* reserve) {
   FileDescriptor blobs;
   FileDescriptor incoming;
   CCST_ASSIGN_OR_RETURN(blobs, OpenSubdirectory(directory, "blobs"));
@@ -89,49 +107,51 @@ absl::StatusOr<std::unique_ptr<FileBlobs>> FileBlobs::Open(const FileDescriptor&
     }
   }
   std::unique_ptr<FileBlobs> opened(
-      new FileBlobs(std::move(blobs), std::move(incoming), max_bytes));
+      new FileBlobs(std::move(blobs), std::move(incoming), max_bytes, reserve));
   std::vector<std::string> digests;
   CCST_ASSIGN_OR_RETURN(digests, opened->List());
-  for (const std::string& sha256 : digests) opened->space_.Count(opened->SizeOf(sha256));
+  for (const std::string& sha256 : digests) {
+    opened->blobs_.Count(opened->blobs_.SizeOf(sha256));
+  }
   return opened;
 }
 
 absl::StatusOr<std::unique_ptr<BlobWriter>> FileBlobs::NewBlob() {
-  return FileBlobWriter::Create(blobs_, incoming_, absl::StrCat(next_name_++), space_);
+  return FileBlobWriter::Create(blobs_, incoming_, absl::StrCat(next_name_++));
 }
 
-absl::StatusOr<std::shared_ptr<const Blob>> FileBlobs::Open(const std::string& sha256) const {
+absl::StatusOr<std::shared_ptr<const FileBlob>> FileBlobs::OpenFile(
+    const std::string& sha256) const {
   const auto missing = [&sha256] {
     return MakeError(absl::StatusCode::kNotFound, ErrorReason::kNotFound,
                      "no blob " + sha256 + " is stored");
   };
   if (!IsSha256(sha256)) return missing();
-  FileDescriptor file(openat(blobs_.number(), BlobPath(sha256).c_str(), O_RDONLY | O_CLOEXEC));
+  FileDescriptor file(openat(blobs_.directory().number(), BlobFolder::PathOf(sha256).c_str(),
+                             O_RDONLY | O_CLOEXEC));
   if (!file.is_open()) return errno == ENOENT ? missing() : FileError(errno, kReading);
   struct stat facts = {};
   if (fstat(file.number(), &facts) != 0) return FileError(errno, kReading);
-  return std::make_shared<FileBlob>(std::move(file), facts.st_size);
+  return std::make_shared<FileBlob>(std::move(file), facts.st_size, sha256, blobs_.known());
 }
 
-std::int64_t FileBlobs::SizeOf(const std::string& sha256) const {
-  struct stat facts = {};
-  const bool found =
-      IsSha256(sha256) && fstatat(blobs_.number(), BlobPath(sha256).c_str(), &facts, 0) == 0;
-  return found ? facts.st_size : 0;
+absl::StatusOr<std::shared_ptr<const Blob>> FileBlobs::Open(const std::string& sha256) const {
+  return OpenFile(sha256);
 }
 
-bool FileBlobs::Contains(const std::string& sha256) const {
-  return IsSha256(sha256) && faccessat(blobs_.number(), BlobPath(sha256).c_str(), F_OK, 0) == 0;
-}
-
-absl::Status FileBlobs::Remove(const std::string& sha256) {
-  const std::int64_t size = SizeOf(sha256);
-  // Not synchronized: should the name come back, nothing refers to it, and the next start drops it.
-  if (IsSha256(sha256) && unlinkat(blobs_.number(), BlobPath(sha256).c_str(), 0) != 0 &&
-      errno != ENOENT) {
-    return FileError(errno, "cannot remove a blob");
-  }
-  space_.GiveBack(size);
+absl::Status FileBlobs::Check(const std::string& sha256) const {
+  std::shared_ptr<const FileBlob> blob;
+  CCST_ASSIGN_OR_RETURN(blob, OpenFile(sha256));
+  KnownBlobs& known = *blobs_.known();
+  if (known.Contains(sha256, blob->file())) return absl::OkStatus();
+  CheckedReader reader(blob, sha256);
+  std::string piece;
+  do {
+    piece.resize(
+        static_cast<std::size_t>(std::min(kPieceBytes, reader.size_bytes() - reader.offset())));
+    CCST_RETURN_IF_ERROR(reader.Next(piece));
+  } while (!reader.at_end());
+  known.Add(sha256, blob->file());
   return absl::OkStatus();
 }
 
@@ -139,7 +159,7 @@ absl::StatusOr<std::vector<std::string>> FileBlobs::List() const {
   std::vector<std::string> digests;
   for (int i = 0; i < kFolderCount; ++i) {
     std::vector<std::string> names;
-    CCST_ASSIGN_OR_RETURN(names, NamesIn(blobs_, FolderOf(i).c_str()));
+    CCST_ASSIGN_OR_RETURN(names, NamesIn(blobs_.directory(), FolderOf(i).c_str()));
     for (std::string& name : names) {
       if (IsSha256(name)) digests.push_back(std::move(name));
     }

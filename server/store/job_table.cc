@@ -1,6 +1,8 @@
 #include "server/store/job_table.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include "core/base/sha256.h"
@@ -8,6 +10,8 @@
 #include "server/store/job_list_query.h"
 #include "server/store/job_state_name.h"
 #include "server/store/page_token.h"
+#include "server/store/record_bytes.h"
+#include "server/store/row_sum.h"
 
 namespace ccst::server {
 namespace {
@@ -17,7 +21,28 @@ constexpr char kList[] = "jobs";
 #define CCST_JOB_COLUMNS_                                                                 \
   "jobs.id, jobs.owner, request_id, display_name, jobs.mesh_sha256, texture_sha256, "     \
   "spec_digest, definition, state, jobs.create_time, start_time, end_time, expire_time, " \
-  "outcome, samples_sha256, reusable, cached, definition_sha256"
+  "outcome, samples_sha256, reusable, cached, definition_sha256, request_sum, end_sum, "  \
+  "history_sha256, starts"
+
+// Of what a job is from the beginning.
+std::string SumOfRequest(const JobRecord& job) {
+  RowSum sum;
+  sum.Add(job.id).Add(job.owner).Add(job.request_id).Add(job.display_name).Add(job.mesh_sha256);
+  sum.Add(job.texture_sha256).Add(job.spec_digest).Add(job.definition).Add(job.create_time);
+  for (const auto& [name, value] : job.labels) sum.Add(name).Add(value);
+  return sum.Finish();
+}
+
+// Of what its end adds; empty before.
+std::string SumOfEnd(const JobRecord& job, const std::string& history_sha256) {
+  if (!HasEnded(job.state)) return "";
+  RowSum sum;
+  sum.Add(job.id).Add(JobStateName(job.state)).Add(job.start_time).Add(job.end_time);
+  sum.Add(job.expire_time).Add(job.outcome).Add(job.samples_sha256).Add(job.reusable);
+  return sum.Add(job.cached).Add(history_sha256).Finish();
+}
+
+std::int64_t Size(const std::string& bytes) { return static_cast<std::int64_t>(bytes.size()); }
 
 std::optional<JobRecord> FirstOf(std::vector<JobRecord> jobs) {
   if (jobs.empty()) return std::nullopt;
@@ -26,7 +51,7 @@ std::optional<JobRecord> FirstOf(std::vector<JobRecord> jobs) {
 
 }  // namespace
 
-absl::StatusOr<JobRecord> JobTable::Add(const JobRecord& job) {
+absl::StatusOr<JobRecord> JobTable::Add(const JobRecord& job, const std::string& history) {
   Transaction transaction(database_);
   CCST_RETURN_IF_ERROR(transaction.status());
   if (!job.request_id.empty()) {
@@ -34,28 +59,40 @@ absl::StatusOr<JobRecord> JobTable::Add(const JobRecord& job) {
     CCST_ASSIGN_OR_RETURN(same, FindRequest(job.owner, job.request_id));
     if (same.has_value()) return *std::move(same);
   }
-  CCST_RETURN_IF_ERROR(database_
-                           .Cached("INSERT INTO jobs VALUES "
-                                   "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
-                           .Bind(job.id)
-                           .Bind(job.owner)
-                           .Bind(job.request_id)
-                           .Bind(job.display_name)
-                           .Bind(job.mesh_sha256)
-                           .Bind(job.texture_sha256)
-                           .Bind(job.spec_digest)
-                           .Bind(Bytes{job.definition})
-                           .Bind(JobStateName(job.state))
-                           .Bind(job.create_time)
-                           .Bind(job.start_time)
-                           .Bind(job.end_time)
-                           .Bind(job.expire_time)
-                           .Bind(Bytes{job.outcome})
-                           .Bind(job.samples_sha256)
-                           .Bind(job.reusable)
-                           .Bind(job.cached)
-                           .Bind(Sha256Of(job.definition))
-                           .Run());
+  std::string history_sha256;
+  CCST_ASSIGN_OR_RETURN(history_sha256, PutHistory(history));
+  CCST_RETURN_IF_ERROR(
+      database_
+          .Cached("INSERT INTO jobs (id, owner, request_id, display_name, "
+                  "mesh_sha256, texture_sha256, spec_digest, definition, state, "
+                  "create_time, start_time, end_time, expire_time, outcome, "
+                  "samples_sha256, reusable, cached, definition_sha256, "
+                  "request_sum, end_sum, history_sha256, record_bytes) VALUES "
+                  "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+                  "?, ?)")
+          .Bind(job.id)
+          .Bind(job.owner)
+          .Bind(job.request_id)
+          .Bind(job.display_name)
+          .Bind(job.mesh_sha256)
+          .Bind(job.texture_sha256)
+          .Bind(job.spec_digest)
+          .Bind(Bytes{job.definition})
+          .Bind(JobStateName(job.state))
+          .Bind(job.create_time)
+          .Bind(job.start_time)
+          .Bind(job.end_time)
+          .Bind(job.expire_time)
+          .Bind(Bytes{job.outcome})
+          .Bind(job.samples_sha256)
+          .Bind(job.reusable)
+          .Bind(job.cached)
+          .Bind(Sha256Of(job.definition))
+          .Bind(SumOfRequest(job))
+          .Bind(SumOfEnd(job, history_sha256))
+          .Bind(history_sha256)
+          .Bind(BytesOf(job) + (HasEnded(job.state) ? Size(history) : job.expected_end_bytes))
+          .Run());
   for (const auto& [name, value] : job.labels) {
     CCST_RETURN_IF_ERROR(database_.Cached("INSERT INTO job_labels VALUES (?, ?, ?, ?, ?, ?)")
                              .Bind(job.id)
@@ -74,7 +111,17 @@ absl::StatusOr<JobRecord> JobTable::Add(const JobRecord& job) {
 }
 
 absl::Status JobTable::MarkCancelling(const std::string& id) {
-  return database_.Cached("UPDATE jobs SET state = 'cancelling' WHERE id = ? AND state = 'queued'")
+  return database_
+      .Cached(
+          "UPDATE jobs SET state = 'cancelling' WHERE id = ? AND state = "
+          "'queued'")
+      .Bind(id)
+      .Run();
+}
+
+absl::Status JobTable::AddToStarts(const std::string& id, int change) {
+  return database_.Cached("UPDATE jobs SET starts = max(starts + ?, 0) WHERE id = ?")
+      .Bind(change)
       .Bind(id)
       .Run();
 }
@@ -89,28 +136,50 @@ absl::Status JobTable::End(const JobRecord& job, const std::string& history) {
                      "there is no job " + job.id + " to end");
   }
   if (HasEnded(stored->state)) return absl::OkStatus();
+  std::string history_sha256;
+  CCST_ASSIGN_OR_RETURN(history_sha256, PutHistory(history));
+  JobRecord ended = *std::move(stored);
+  ended.state = job.state;
+  ended.start_time = job.start_time;
+  ended.end_time = job.end_time;
+  ended.expire_time = job.expire_time;
+  ended.outcome = job.outcome;
+  ended.samples_sha256 = job.samples_sha256;
+  ended.reusable = job.reusable;
+  ended.cached = job.cached;
   CCST_RETURN_IF_ERROR(
       database_
           .Cached("UPDATE jobs SET state = ?, start_time = ?, end_time = ?, expire_time = ?, "
-                  "outcome = ?, samples_sha256 = ?, reusable = ?, cached = ? WHERE id = ?")
-          .Bind(JobStateName(job.state))
-          .Bind(job.start_time)
-          .Bind(job.end_time)
-          .Bind(job.expire_time)
-          .Bind(Bytes{job.outcome})
-          .Bind(job.samples_sha256)
-          .Bind(job.reusable)
-          .Bind(job.cached)
-          .Bind(job.id)
+                  "outcome = ?, samples_sha256 = ?, reusable = ?, cached = ?, end_sum = ?, "
+                  "history_sha256 = ?, record_bytes = ? WHERE id = ?")
+          .Bind(JobStateName(ended.state))
+          .Bind(ended.start_time)
+          .Bind(ended.end_time)
+          .Bind(ended.expire_time)
+          .Bind(Bytes{ended.outcome})
+          .Bind(ended.samples_sha256)
+          .Bind(ended.reusable)
+          .Bind(ended.cached)
+          .Bind(SumOfEnd(ended, history_sha256))
+          .Bind(history_sha256)
+          .Bind(BytesOf(ended) + Size(history))
+          .Bind(ended.id)
           .Run());
-  if (!history.empty()) {
-    CCST_RETURN_IF_ERROR(database_.Cached("INSERT INTO job_histories VALUES (?, ?, ?)")
-                             .Bind(job.id)
-                             .Bind(Bytes{history})
-                             .Bind(Sha256Of(history))
-                             .Run());
-  }
   return transaction.Commit();
+}
+
+absl::StatusOr<std::string> JobTable::PutHistory(const std::string& history) {
+  if (history.empty()) return "";
+  std::string sha256 = Sha256Of(history);
+  // Jobs that one result answers share it; one that is damaged is healed.
+  CCST_RETURN_IF_ERROR(database_
+                           .Cached("INSERT INTO histories VALUES (?, ?) ON CONFLICT (sha256) DO "
+                                   "UPDATE SET history = excluded.history "
+                                   "WHERE history <> excluded.history")
+                           .Bind(sha256)
+                           .Bind(Bytes{history})
+                           .Run());
+  return sha256;
 }
 
 absl::StatusOr<std::optional<JobRecord>> JobTable::Get(const std::string& id) {
@@ -132,16 +201,19 @@ absl::StatusOr<std::optional<JobRecord>> JobTable::FindRequest(const std::string
 }
 
 absl::StatusOr<std::string> JobTable::GetHistory(const std::string& id) {
-  Statement statement =
-      database_.Cached("SELECT history, sha256 FROM job_histories WHERE job_id = ?");
+  Statement statement = database_.Cached(
+      "SELECT history_sha256, history FROM jobs LEFT JOIN histories ON sha256 = history_sha256 "
+      "WHERE id = ?");
   if (!statement.Bind(id).Next()) {
     CCST_RETURN_IF_ERROR(statement.status());
     return "";
   }
+  const std::string sha256 = statement.String(0);
+  if (sha256.empty()) return "";
   // Histories are long, and SQLite's own check sees only how their pages hang together.
-  std::string history = statement.String(0);
-  if (Sha256Of(history) != statement.String(1)) {
-    return MakeError(absl::StatusCode::kInternal, ErrorReason::kStorageFailed,
+  std::string history = statement.String(1);
+  if (Sha256Of(history) != sha256) {
+    return MakeError(absl::StatusCode::kDataLoss, ErrorReason::kStorageFailed,
                      "the records are damaged: the history of job " + id);
   }
   return history;
@@ -165,9 +237,11 @@ absl::StatusOr<Page<JobRecord>> JobTable::List(const JobFilter& filter, int page
 }
 
 absl::StatusOr<std::vector<JobRecord>> JobTable::Unfinished() {
-  Statement statement = database_.Cached("SELECT " CCST_JOB_COLUMNS_
-                                         " FROM jobs WHERE state IN ('queued', 'cancelling') "
-                                         "ORDER BY create_time, id");
+  // Without the index: a job that a damaged one does not name would not be run.
+  Statement statement =
+      database_.Cached("SELECT " CCST_JOB_COLUMNS_
+                       " FROM jobs NOT INDEXED WHERE state IN ('queued', 'cancelling') "
+                       "ORDER BY create_time, id");
   return ReadAll(statement);
 }
 
@@ -186,15 +260,32 @@ absl::Status JobTable::Delete(const std::string& id) {
   return database_.Cached("DELETE FROM jobs WHERE id = ?").Bind(id).Run();
 }
 
-absl::StatusOr<std::vector<std::string>> JobTable::Expired(absl::Time now, int limit) {
-  Statement statement = database_.Cached(
-      "SELECT id FROM jobs WHERE expire_time < ? AND state NOT IN ('queued', 'cancelling') "
-      "ORDER BY expire_time LIMIT ?");
-  statement.Bind(now).Bind(std::max(limit, 0));
-  std::vector<std::string> ids;
-  while (statement.Next()) ids.push_back(statement.String(0));
-  CCST_RETURN_IF_ERROR(statement.status());
-  return ids;
+absl::StatusOr<std::vector<DroppedJob>> JobTable::DropExpired(absl::Time now, int limit) {
+  Transaction transaction(database_);
+  CCST_RETURN_IF_ERROR(transaction.status());
+  std::vector<DroppedJob> dropped;
+  std::vector<std::int64_t> rows;  // Which damage leaves as they are, other than ids.
+  {
+    Statement statement = database_.Cached(
+        "SELECT id, samples_sha256, texture_sha256, mesh_sha256, rowid FROM jobs "
+        "WHERE expire_time < ? AND state NOT IN ('queued', 'cancelling') "
+        "ORDER BY expire_time LIMIT ?");
+    statement.Bind(now).Bind(std::max(limit, 0));
+    while (statement.Next()) {
+      DroppedJob& job = dropped.emplace_back(DroppedJob{.id = statement.String(0), .blobs = {}});
+      for (const int column : {1, 2, 3}) {
+        std::string sha256 = statement.String(column);
+        if (!sha256.empty()) job.blobs.push_back(std::move(sha256));
+      }
+      rows.push_back(statement.Int(4));
+    }
+    CCST_RETURN_IF_ERROR(statement.status());
+  }
+  for (const std::int64_t row : rows) {
+    CCST_RETURN_IF_ERROR(database_.Cached("DELETE FROM jobs WHERE rowid = ?").Bind(row).Run());
+  }
+  CCST_RETURN_IF_ERROR(transaction.Commit());
+  return dropped;
 }
 
 absl::StatusOr<bool> JobTable::RefersTo(const std::string& sha256) {
@@ -208,10 +299,17 @@ absl::StatusOr<bool> JobTable::RefersTo(const std::string& sha256) {
 }
 
 absl::StatusOr<std::vector<JobRecord>> JobTable::ReadAll(Statement& statement) {
+  // What the row says of its own parts.
+  struct Sums {
+    std::string definition;
+    std::string request;
+    std::string end;
+    std::string history_sha256;
+  };
   std::vector<JobRecord> jobs;
+  std::vector<Sums> sums;
   while (statement.Next()) {
-    JobState state = JobState::kQueued;
-    CCST_ASSIGN_OR_RETURN(state, ParseJobStateName(statement.String(8)));
+    const auto state = ParseJobStateName(statement.String(8));
     jobs.push_back({.id = statement.String(0),
                     .owner = statement.String(1),
                     .request_id = statement.String(2),
@@ -221,7 +319,7 @@ absl::StatusOr<std::vector<JobRecord>> JobTable::ReadAll(Statement& statement) {
                     .texture_sha256 = statement.String(5),
                     .spec_digest = statement.String(6),
                     .definition = statement.String(7),
-                    .state = state,
+                    .state = state.value_or(JobState::kFailed),
                     .create_time = statement.Time(9),
                     .start_time = statement.OptionalTime(10),
                     .end_time = statement.OptionalTime(11),
@@ -229,13 +327,26 @@ absl::StatusOr<std::vector<JobRecord>> JobTable::ReadAll(Statement& statement) {
                     .outcome = statement.String(13),
                     .samples_sha256 = statement.String(14),
                     .reusable = statement.Int(15) != 0,
-                    .cached = statement.Int(16) != 0});
-    // As histories: SQLite's own check does not see what is inside.
-    const std::string sha256 = statement.String(17);
-    jobs.back().damaged = !sha256.empty() && sha256 != Sha256Of(jobs.back().definition);
+                    .cached = statement.Int(16) != 0,
+                    .damaged = !state.ok(),
+                    .starts = static_cast<int>(statement.Int(21))});
+    sums.push_back({.definition = statement.String(17),
+                    .request = statement.String(18),
+                    .end = statement.String(19),
+                    .history_sha256 = statement.String(20)});
   }
   CCST_RETURN_IF_ERROR(statement.status());
-  for (JobRecord& job : jobs) CCST_RETURN_IF_ERROR(ReadLabels(job));
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    JobRecord& job = jobs[i];
+    CCST_RETURN_IF_ERROR(ReadLabels(job));
+    // SQLite's own check does not see what is inside. Sums are empty in rows of earlier versions.
+    const auto differs = [](const std::string& stored, const std::string& now) {
+      return !stored.empty() && stored != now;
+    };
+    job.damaged = job.damaged || differs(sums[i].definition, Sha256Of(job.definition)) ||
+                  differs(sums[i].request, SumOfRequest(job)) ||
+                  differs(sums[i].end, SumOfEnd(job, sums[i].history_sha256));
+  }
   return jobs;
 }
 

@@ -18,8 +18,10 @@ class JobTable {
  public:
   explicit JobTable(Database& database) : database_(database) {}
 
-  absl::StatusOr<JobRecord> Add(const JobRecord& job);
+  /// With its history, unless that is empty.
+  absl::StatusOr<JobRecord> Add(const JobRecord& job, const std::string& history);
   absl::Status MarkCancelling(const std::string& id);
+  absl::Status AddToStarts(const std::string& id, int change);
   absl::Status End(const JobRecord& job, const std::string& history);
   absl::StatusOr<std::optional<JobRecord>> Get(const std::string& id);
   absl::StatusOr<std::optional<JobRecord>> FindRequest(const std::string& owner,
@@ -31,10 +33,12 @@ class JobTable {
   absl::StatusOr<std::optional<JobRecord>> FindReusable(const std::string& spec_digest,
                                                         absl::Time now);
   absl::Status Delete(const std::string& id);
-  absl::StatusOr<std::vector<std::string>> Expired(absl::Time now, int limit);
+  absl::StatusOr<std::vector<DroppedJob>> DropExpired(absl::Time now, int limit);
   absl::StatusOr<bool> RefersTo(const std::string& sha256);
 
  private:
+  // Its digest; empty for none.
+  absl::StatusOr<std::string> PutHistory(const std::string& history);
   absl::StatusOr<std::vector<JobRecord>> ReadAll(Statement& statement);
   absl::Status ReadLabels(JobRecord& job);
 

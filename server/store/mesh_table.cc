@@ -1,10 +1,13 @@
 #include "server/store/mesh_table.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "core/base/status.h"
 #include "server/store/page_token.h"
+#include "server/store/record_bytes.h"
+#include "server/store/row_sum.h"
 
 namespace ccst::server {
 namespace {
@@ -12,10 +15,22 @@ namespace {
 constexpr char kList[] = "meshes";
 
 #define CCST_MESH_COLUMNS_ \
-  "owner, sha256, size_bytes, display_name, create_time, expire_time, facts"
+  "owner, sha256, size_bytes, display_name, create_time, expire_time, facts, row_sum"
 #define CCST_IDLE_                                                                    \
   "NOT EXISTS (SELECT 1 FROM jobs WHERE jobs.owner = meshes.owner AND mesh_sha256 = " \
   "sha256 AND state IN ('queued', 'cancelling'))"
+
+// Of all that stays as it was put.
+std::string SumOf(const MeshRecord& mesh) {
+  return RowSum()
+      .Add(mesh.owner)
+      .Add(mesh.sha256)
+      .Add(mesh.size_bytes)
+      .Add(mesh.display_name)
+      .Add(mesh.create_time)
+      .Add(mesh.facts)
+      .Finish();
+}
 
 absl::StatusOr<std::vector<MeshRecord>> ReadAll(Statement& statement) {
   std::vector<MeshRecord> meshes;
@@ -27,6 +42,8 @@ absl::StatusOr<std::vector<MeshRecord>> ReadAll(Statement& statement) {
                       .create_time = statement.Time(4),
                       .expire_time = statement.Time(5),
                       .facts = statement.String(6)});
+    const std::string sum = statement.String(7);
+    meshes.back().damaged = !sum.empty() && sum != SumOf(meshes.back());
   }
   CCST_RETURN_IF_ERROR(statement.status());
   return meshes;
@@ -36,7 +53,13 @@ absl::StatusOr<std::vector<MeshRecord>> ReadAll(Statement& statement) {
 
 absl::Status MeshTable::Put(const MeshRecord& mesh) {
   return database_
-      .Cached("INSERT OR REPLACE INTO meshes (" CCST_MESH_COLUMNS_ ") VALUES (?, ?, ?, ?, ?, ?, ?)")
+      .Cached("INSERT INTO meshes (" CCST_MESH_COLUMNS_
+              ", record_bytes) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) "
+              // A conflict that replaces would run no trigger for the row that goes.
+              "ON CONFLICT (owner, sha256) DO UPDATE SET size_bytes = excluded.size_bytes, "
+              "display_name = excluded.display_name, create_time = excluded.create_time, "
+              "expire_time = excluded.expire_time, facts = excluded.facts, "
+              "row_sum = excluded.row_sum, record_bytes = excluded.record_bytes")
       .Bind(mesh.owner)
       .Bind(mesh.sha256)
       .Bind(mesh.size_bytes)
@@ -44,6 +67,8 @@ absl::Status MeshTable::Put(const MeshRecord& mesh) {
       .Bind(mesh.create_time)
       .Bind(mesh.expire_time)
       .Bind(Bytes{mesh.facts})
+      .Bind(SumOf(mesh))
+      .Bind(BytesOf(mesh))
       .Run();
 }
 
@@ -57,16 +82,21 @@ absl::StatusOr<std::optional<MeshRecord>> MeshTable::Get(const std::string& owne
   return std::move(meshes.front());
 }
 
-absl::Status MeshTable::Touch(const std::string& owner, const std::string& sha256,
+absl::Status MeshTable::Touch(const std::string& owner, const std::vector<std::string>& sha256s,
                               absl::Time expire_time) {
-  return database_
-      .Cached(
-          "UPDATE meshes SET expire_time = ?1 WHERE expire_time < ?1 AND owner = ?2 AND sha256 = "
-          "?3")
-      .Bind(expire_time)
-      .Bind(owner)
-      .Bind(sha256)
-      .Run();
+  // One transaction is synchronized with the disk once.
+  Transaction transaction(database_);
+  CCST_RETURN_IF_ERROR(transaction.status());
+  for (const std::string& sha256 : sha256s) {
+    CCST_RETURN_IF_ERROR(database_
+                             .Cached("UPDATE meshes SET expire_time = ?1 WHERE expire_time < ?1 "
+                                     "AND owner = ?2 AND sha256 = ?3")
+                             .Bind(expire_time)
+                             .Bind(owner)
+                             .Bind(sha256)
+                             .Run());
+  }
+  return transaction.Commit();
 }
 
 absl::StatusOr<Page<MeshRecord>> MeshTable::List(const std::string& owner, int page_size,
@@ -103,11 +133,31 @@ absl::StatusOr<std::int64_t> MeshTable::SumOfBytes(const std::string& owner) {
   return statement.status();
 }
 
-absl::StatusOr<std::vector<MeshRecord>> MeshTable::Expired(absl::Time now, int limit) {
-  Statement statement = database_.Cached("SELECT " CCST_MESH_COLUMNS_
-                                         " FROM meshes WHERE expire_time < ? AND " CCST_IDLE_
-                                         " ORDER BY expire_time LIMIT ?");
-  return ReadAll(statement.Bind(now).Bind(std::max(limit, 0)));
+absl::StatusOr<std::vector<MeshRecord>> MeshTable::DropExpired(absl::Time now, int limit) {
+  Transaction transaction(database_);
+  CCST_RETURN_IF_ERROR(transaction.status());
+  std::vector<MeshRecord> expired;
+  std::vector<std::int64_t> rows;  // Which damage leaves as they are, other than digests.
+  {
+    Statement statement =
+        database_.Cached("SELECT rowid FROM meshes WHERE expire_time < ? AND " CCST_IDLE_
+                         " ORDER BY expire_time LIMIT ?");
+    statement.Bind(now).Bind(std::max(limit, 0));
+    while (statement.Next()) rows.push_back(statement.Int(0));
+    CCST_RETURN_IF_ERROR(statement.status());
+  }
+  for (const std::int64_t row : rows) {
+    {
+      Statement statement =
+          database_.Cached("SELECT " CCST_MESH_COLUMNS_ " FROM meshes WHERE rowid = ?");
+      std::vector<MeshRecord> meshes;
+      CCST_ASSIGN_OR_RETURN(meshes, ReadAll(statement.Bind(row)));
+      expired.insert(expired.end(), meshes.begin(), meshes.end());
+    }
+    CCST_RETURN_IF_ERROR(database_.Cached("DELETE FROM meshes WHERE rowid = ?").Bind(row).Run());
+  }
+  CCST_RETURN_IF_ERROR(transaction.Commit());
+  return expired;
 }
 
 absl::StatusOr<std::vector<MeshRecord>> MeshTable::Idle(const std::string& owner) {

@@ -21,12 +21,13 @@ class MeshTable {
   absl::Status Put(const MeshRecord& mesh);
   absl::StatusOr<std::optional<MeshRecord>> Get(const std::string& owner,
                                                 const std::string& sha256);
-  absl::Status Touch(const std::string& owner, const std::string& sha256, absl::Time expire_time);
+  absl::Status Touch(const std::string& owner, const std::vector<std::string>& sha256s,
+                     absl::Time expire_time);
   absl::StatusOr<Page<MeshRecord>> List(const std::string& owner, int page_size,
                                         const std::string& page_token);
   absl::Status Delete(const std::string& owner, const std::string& sha256);
   absl::StatusOr<std::int64_t> SumOfBytes(const std::string& owner);
-  absl::StatusOr<std::vector<MeshRecord>> Expired(absl::Time now, int limit);
+  absl::StatusOr<std::vector<MeshRecord>> DropExpired(absl::Time now, int limit);
   absl::StatusOr<std::vector<MeshRecord>> Idle(const std::string& owner);
   absl::StatusOr<bool> IsInUse(const std::string& owner, const std::string& sha256);
   absl::StatusOr<bool> RefersTo(const std::string& sha256);

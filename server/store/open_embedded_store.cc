@@ -13,6 +13,7 @@
 #include "server/store/file_blobs.h"
 #include "server/store/files.h"
 #include "server/store/schema.h"
+#include "server/store/space_reserve.h"
 #include "server/store/sqlite.h"
 #include "server/store/storage_error.h"
 #include "server/store/store.h"
@@ -87,12 +88,19 @@ absl::StatusOr<std::unique_ptr<Store>> OpenIn(const std::string& path,
   CCST_ASSIGN_OR_RETURN(directory, OpenDirectory(path));
   FileDescriptor lock;
   CCST_ASSIGN_OR_RETURN(lock, LockFile(directory, kLockName));
-  std::unique_ptr<Database> database;
-  CCST_ASSIGN_OR_RETURN(database, OpenRecords(directory, path));
+  std::unique_ptr<SpaceReserve> reserve;
+  CCST_ASSIGN_OR_RETURN(reserve, SpaceReserve::Open(directory));
+  auto database = OpenRecords(directory, path);
+  if (GetErrorReason(database.status()) == ErrorReason::kStorageFull) {
+    // On a full disk, which can only be emptied by a server that has opened its records.
+    reserve->GiveUp();
+    database = OpenRecords(directory, path);
+  }
+  CCST_RETURN_IF_ERROR(database.status());
   std::unique_ptr<FileBlobs> blobs;
-  CCST_ASSIGN_OR_RETURN(blobs, FileBlobs::Open(directory, max_blob_bytes));
-  auto store =
-      std::make_unique<EmbeddedStore>(std::move(lock), std::move(blobs), std::move(database));
+  CCST_ASSIGN_OR_RETURN(blobs, FileBlobs::Open(directory, max_blob_bytes, reserve.get()));
+  auto store = std::make_unique<EmbeddedStore>(std::move(lock), std::move(reserve),
+                                               std::move(blobs), *std::move(database));
   CCST_RETURN_IF_ERROR(RemoveUnreferencedBlobs(*store));
   return store;
 }

@@ -24,7 +24,8 @@ struct MeshRecord {
   std::string display_name;
   absl::Time create_time;
   absl::Time expire_time;
-  std::string facts;  ///< Opaque to the store.
+  std::string facts;     ///< Opaque to the store.
+  bool damaged = false;  ///< When read: something but `expire_time` is not what was stored.
 };
 
 /// A job as it is stored. RUNNING is never stored: whatever runs when the server goes away is
@@ -48,7 +49,16 @@ struct JobRecord {
   std::string samples_sha256;             ///< The blob with the samples; empty: none.
   bool reusable = false;                  ///< The result may answer an equal spec.
   bool cached = false;                    ///< The result was taken from an equal spec.
-  bool damaged = false;                   ///< When read: `definition` is not what was stored.
+  bool damaged = false;                   ///< When read: something is not what was stored.
+  int starts = 0;  ///< Runs that began and were neither ended nor given back.
+  /// When added: what its end may add, outcome and history; counts until it ends.
+  std::int64_t expected_end_bytes = 0;
+};
+
+/// A job that was dropped.
+struct DroppedJob {
+  std::string id;
+  std::vector<std::string> blobs;  ///< That it referred to: samples, texture, mesh.
 };
 
 /// Which jobs to list. An empty field keeps all.

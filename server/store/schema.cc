@@ -79,11 +79,77 @@ CREATE TABLE job_histories (
 constexpr char kVersion2[] =
     "ALTER TABLE jobs ADD COLUMN definition_sha256 TEXT NOT NULL DEFAULT ''";
 
+// Jobs of before have not died with a process that counted.
+constexpr char kVersion3[] = "ALTER TABLE jobs ADD COLUMN starts INTEGER NOT NULL DEFAULT 0";
+
+// Sums tell damage; they are empty in rows of before, which are not checked. A history is stored
+// once for all jobs that share it. What records take (record_bytes.cc) is summed up by owner, by
+// triggers, so that whoever changes a row need not think of it; the room that a history may need
+// counts from the beginning, so the true length takes its place when the job ends.
+constexpr char kVersion4[] = R"sql(
+ALTER TABLE jobs ADD COLUMN request_sum TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN end_sum TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN history_sha256 TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN record_bytes INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE meshes ADD COLUMN row_sum TEXT NOT NULL DEFAULT '';
+ALTER TABLE meshes ADD COLUMN record_bytes INTEGER NOT NULL DEFAULT 0;
+
+CREATE TABLE histories (sha256 TEXT NOT NULL PRIMARY KEY, history BLOB NOT NULL);
+INSERT OR IGNORE INTO histories SELECT sha256, history FROM job_histories;
+UPDATE jobs SET history_sha256 =
+  coalesce((SELECT sha256 FROM job_histories WHERE job_id = jobs.id), '');
+DROP TABLE job_histories;
+CREATE INDEX jobs_history ON jobs (history_sha256) WHERE history_sha256 <> '';
+CREATE TRIGGER jobs_drop_history AFTER DELETE ON jobs
+WHEN old.history_sha256 <> ''
+  AND NOT EXISTS (SELECT 1 FROM jobs WHERE history_sha256 = old.history_sha256)
+BEGIN
+  DELETE FROM histories WHERE sha256 = old.history_sha256;
+END;
+
+UPDATE jobs SET record_bytes = 2048 + length(CAST(owner || request_id || display_name AS BLOB))
+  + length(definition) + length(outcome)
+  + coalesce((SELECT length(history) FROM histories WHERE sha256 = history_sha256), 0)
+  + coalesce((SELECT sum(512 + 2 * length(CAST(name || value AS BLOB)))
+              FROM job_labels WHERE job_id = jobs.id), 0);
+UPDATE meshes SET record_bytes = 1024 + length(CAST(owner || display_name AS BLOB)) + length(facts);
+CREATE TABLE record_totals (owner TEXT NOT NULL PRIMARY KEY, bytes INTEGER NOT NULL) WITHOUT ROWID;
+INSERT INTO record_totals SELECT owner, sum(record_bytes) FROM
+  (SELECT owner, record_bytes FROM jobs UNION ALL SELECT owner, record_bytes FROM meshes)
+  GROUP BY owner;
+
+CREATE TRIGGER jobs_count AFTER INSERT ON jobs BEGIN
+  INSERT INTO record_totals VALUES (new.owner, new.record_bytes)
+    ON CONFLICT (owner) DO UPDATE SET bytes = bytes + excluded.bytes;
+END;
+CREATE TRIGGER jobs_recount AFTER UPDATE OF record_bytes ON jobs BEGIN
+  UPDATE record_totals SET bytes = bytes - old.record_bytes + new.record_bytes
+    WHERE owner = new.owner;
+END;
+CREATE TRIGGER jobs_uncount AFTER DELETE ON jobs BEGIN
+  UPDATE record_totals SET bytes = bytes - old.record_bytes WHERE owner = old.owner;
+  DELETE FROM record_totals WHERE owner = old.owner AND bytes = 0;
+END;
+CREATE TRIGGER meshes_count AFTER INSERT ON meshes BEGIN
+  INSERT INTO record_totals VALUES (new.owner, new.record_bytes)
+    ON CONFLICT (owner) DO UPDATE SET bytes = bytes + excluded.bytes;
+END;
+CREATE TRIGGER meshes_recount AFTER UPDATE OF record_bytes ON meshes BEGIN
+  UPDATE record_totals SET bytes = bytes - old.record_bytes + new.record_bytes
+    WHERE owner = new.owner;
+END;
+CREATE TRIGGER meshes_uncount AFTER DELETE ON meshes BEGIN
+  UPDATE record_totals SET bytes = bytes - old.record_bytes WHERE owner = old.owner;
+  DELETE FROM record_totals WHERE owner = old.owner AND bytes = 0;
+END;
+)sql";
+
 }  // namespace
 
 std::span<const std::string> SchemaMigrations() {
-  static const std::string* const kScripts = new std::string[]{kVersion1, kVersion2};
-  return {kScripts, 2};
+  static const std::string* const kScripts =
+      new std::string[]{kVersion1, kVersion2, kVersion3, kVersion4};
+  return {kScripts, 4};
 }
 
 absl::Status MigrateSchema(Database& database, std::span<const std::string> migrations) {

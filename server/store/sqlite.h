@@ -86,6 +86,9 @@ class Database {
   Statement Once(std::string_view sql);
   /// Runs statements without parameters, separated by semicolons.
   absl::Status RunScript(const std::string& sql);
+  /// Moves all of the log into the database and leaves the log empty; no statement may be under
+  /// way.
+  absl::Status Checkpoint();
 
  private:
   friend class Transaction;

@@ -10,16 +10,16 @@
 #include "core/base/interrupt.h"
 #include "core/parallel/parallel.h"
 #include "core/quality/distances.h"
-#include "core/sampling/edge_flips.h"
-#include "core/sampling/geometry_phase.h"
-#include "core/sampling/initial_mesh.h"
-#include "core/sampling/initial_points.h"
-#include "core/sampling/progressive_order.h"
+#include "core/sampling/mesh/edge_flips.h"
+#include "core/sampling/output/progressive_order.h"
+#include "core/sampling/relax/geometry_phase.h"
+#include "core/sampling/start/initial_mesh.h"
+#include "core/sampling/start/initial_points.h"
 #include "tests/benchmark/subjects.h"
 #include "tests/core/sampling/sampling_test_util.h"
 
 /// A function with a plain name, so that callgrind can be told to count what is in it alone.
-extern "C" [[gnu::noinline]] void ccst_benchmark_pass(ccst::GeometryPhase* geometry) {
+extern "C" [[gnu::noinline]] void ccst_benchmark_pass(ccst::internal::GeometryPhase* geometry) {
   ccst::Interrupt never;
   benchmark::DoNotOptimize(geometry->Pass(&never));
 }
@@ -50,8 +50,8 @@ const Start& FreshStart(std::int64_t n) {
 /// The samples and the mesh of a start after two passes with flips, which is how most passes of a
 /// run find them; the rest is that of the fresh start.
 struct Settled {
-  Samples samples;
-  SampleMesh mesh;
+  internal::Samples samples;
+  internal::SampleMesh mesh;
 };
 
 const Settled& SettledStart(std::int64_t n) {
@@ -61,8 +61,8 @@ const Settled& SettledStart(std::int64_t n) {
   const Start& start = FreshStart(n);
   settled = std::make_unique<Settled>(Settled{start.samples, start.mesh});
   Interrupt never;
-  GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
-                         &settled->mesh, &settled->samples, &sampling_test::kOneThread);
+  internal::GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
+                                   &settled->mesh, &settled->samples, &sampling_test::kOneThread);
   geometry.Alternate(2, &never);
   return *settled;
 }
@@ -93,9 +93,9 @@ void GeometryPass(benchmark::State& state) {
   const Start& start = FreshStart(state.range(0));
   const Settled& settled = SettledStart(state.range(0));
   const Parallel parallel(static_cast<int>(state.range(1)));
-  SampleMesh mesh = settled.mesh;  // Passes leave it as it is.
-  std::optional<Samples> samples;
-  std::optional<GeometryPhase> geometry;
+  internal::SampleMesh mesh = settled.mesh;  // Passes leave it as it is.
+  std::optional<internal::Samples> samples;
+  std::optional<internal::GeometryPhase> geometry;
   for (auto _ : state) {
     state.PauseTiming();
     samples = settled.samples;
@@ -116,18 +116,18 @@ BENCHMARK(GeometryPass)
 /// them.
 void Flips(benchmark::State& state) {
   const Start& start = FreshStart(state.range(0));
-  Samples samples = start.samples;
-  SampleMesh connected = start.mesh;
+  internal::Samples samples = start.samples;
+  internal::SampleMesh connected = start.mesh;
   Interrupt never;
-  GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &connected,
-                         &samples, &sampling_test::kOneThread);
+  internal::GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget,
+                                   &connected, &samples, &sampling_test::kOneThread);
   geometry.Pass(&never);
-  std::optional<SampleMesh> mesh;
+  std::optional<internal::SampleMesh> mesh;
   std::int64_t flips = 0;
   for (auto _ : state) {
     state.PauseTiming();
     mesh = start.mesh;
-    EdgeFlips topology(&*mesh, &samples.position, &samples.normal);
+    internal::EdgeFlips topology(&*mesh, &samples.position, &samples.normal);
     state.ResumeTiming();
     flips += topology.FlipAll();
   }
@@ -137,19 +137,19 @@ BENCHMARK(Flips)->Apply(Counts);
 
 void OrderProgressively(benchmark::State& state) {
   const Start& start = FreshStart(state.range(0));
-  const Samples& samples = SettledStart(state.range(0)).samples;
+  const internal::Samples& samples = SettledStart(state.range(0)).samples;
   const double spacing = quality::HexagonalSpacing(start.surface.area(), state.range(0));
   Interrupt never;
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        ProgressiveOrder(samples.position, samples.normal, {}, spacing, 0, &never));
+        internal::ProgressiveOrder(samples.position, samples.normal, {}, spacing, 0, &never));
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 BENCHMARK(OrderProgressively)->Apply(Counts);
 
 void ClosestSameSide(benchmark::State& state) {
-  const Samples& samples = SettledStart(state.range(0)).samples;
+  const internal::Samples& samples = SettledStart(state.range(0)).samples;
   for (auto _ : state) {
     benchmark::DoNotOptimize(quality::FindClosestSameSide(samples.position, samples.normal));
   }

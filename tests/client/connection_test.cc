@@ -20,6 +20,17 @@ TEST(Connection, TokenStaysOnThisMachineUnlessEncryptedOrAllowed) {
   EXPECT_TRUE(Open({.address = "192.0.2.1:1"}).ok());
 }
 
+TEST(Connection, TokenThatCannotBeSentIsRefused) {
+  for (const char* token : {"a b", "a\nb", "\xc3\xb6",
+                            "\xef\xbb\xbf"
+                            "a",
+                            "a\x7f"}) {
+    const absl::Status refused = Open({.address = "127.0.0.1:1", .token = token});
+    EXPECT_EQ(GetErrorReason(refused), ErrorReason::kOptionInvalid) << token;
+    EXPECT_EQ(refused.message().find(token), std::string::npos);
+  }
+}
+
 TEST(Connection, CertificateNeedsKeyAndAuthority) {
   EXPECT_TRUE(
       Open({.address = "192.0.2.1:1", .ca = "PEM", .certificate = "PEM", .key = "PEM"}).ok());

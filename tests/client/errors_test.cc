@@ -37,6 +37,14 @@ TEST(ExitCode, TellsAFullQueueFromAFailedJob) {
   EXPECT_EQ(ExitCodeFor(MakeError(code, ErrorReason::kOutOfMemory, "")), 3);
 }
 
+// Not the deadline of a call, which says that the server cannot be reached.
+TEST(ExitCode, OfATimeLimitIsThatOfAFailedJob) {
+  const absl::Status status =
+      MakeError(absl::StatusCode::kDeadlineExceeded, ErrorReason::kTimeLimitExceeded, "too slow");
+  EXPECT_EQ(ExitCodeFor(status), 3);
+  EXPECT_EQ(ErrorText(status, "here:1"), "too slow");
+}
+
 TEST(ErrorText, KeepsWhatTheServerSays) {
   const absl::Status status = MakeError(absl::StatusCode::kFailedPrecondition,
                                         ErrorReason::kMeshNotManifold, "edge 3-7 has three faces");
@@ -64,6 +72,21 @@ TEST(ErrorText, PointsOutSmallerUploads) {
   const absl::Status status = MakeError(absl::StatusCode::kInvalidArgument,
                                         ErrorReason::kLimitExceeded, "over max_inline_mesh_bytes");
   EXPECT_THAT(ErrorText(status, "here:1"), HasSubstr("--quantization-bits"));
+}
+
+TEST(PrintError, LeavesTheTerminalAlone) {
+  ::testing::internal::CaptureStderr();
+  PrintError(absl::InternalError("\x1b]0;pwned\x07\x1b[2J\xc2\x9b"
+                                 "1m evil\nccst: all is well"),
+             "here\x1b:1");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+            "ccst: \\u001b]0;pwned\\u0007\\u001b[2J\\u009b1m evil\\nccst: all is well\n");
+}
+
+TEST(PrintError, IsNoLongerThanAnybodyReads) {
+  ::testing::internal::CaptureStderr();
+  PrintError(absl::InternalError(std::string(4 << 20, 'x')), "");
+  EXPECT_LT(::testing::internal::GetCapturedStderr().size(), 5000u);
 }
 
 }  // namespace

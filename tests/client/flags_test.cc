@@ -1,14 +1,24 @@
 #include "client/cli/flags.h"
 
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/cli/errors.h"
 #include "client/cli/exit_code.h"
+#include "client/cli/option_flags.h"
+#include "core/sampling/option_table.h"
 
 namespace ccst::cli {
 namespace {
+
+using testing::HasSubstr;
 
 Command Parse(std::vector<const char*> arguments, const char* environment_server = nullptr) {
   arguments.insert(arguments.begin(), "ccst");
@@ -108,7 +118,94 @@ TEST(Flags, HelpAndVersionAreNoErrors) {
   EXPECT_EQ(ExitOf(Parse({"--version"})), kOk);
 }
 
+std::string HelpOf(const char* command) {
+  testing::internal::CaptureStdout();
+  Parse({command, "--help"});
+  return testing::internal::GetCapturedStdout();
+}
+
+// A value other than the default, in the user's units.
+double AnotherValue(const NumberOption& option) {
+  return ScaleOf(option.unit).ToUser(option.range.least) + 3.0;
+}
+
+TEST(Flags, SampleHasAFlagForEachOption) {
+  const SamplingOptions defaults;
+  VisitOptions(defaults, [](const auto& option, const auto& /*value*/) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(option)>, NumberOption>) {
+      if (!option.info.has_flag) return;
+      const std::string flag = "--" + std::string(option.info.word);
+      const std::string given = std::to_string(static_cast<int>(AnotherValue(option)));
+      std::vector<const char*> arguments = {"sample", "a.obj", flag.c_str(), given.c_str()};
+      if (flag != "--count") arguments.insert(arguments.end(), {"-n", "9"});
+      const auto command = std::get<SampleCommand>(Parse(arguments));
+      VisitOptions(command.options, [&option](const auto& other, const auto& value) {
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(other)>, NumberOption>) {
+          if (other.info.name != option.info.name) return;
+          EXPECT_EQ(value, ScaleOf(option.unit).FromUser(AnotherValue(option))) << other.info.name;
+        }
+      });
+    }
+  });
+}
+
+TEST(Flags, HelpSaysRangesAndDefaults) {
+  const std::string help = HelpOf("sample");
+  const SamplingOptions defaults;
+  VisitOptions(defaults, [&help](const auto& option, const auto& /*value*/) {
+    if (!option.info.has_flag) return;
+    EXPECT_THAT(help, HasSubstr("--" + std::string(option.info.word) + " "));
+    EXPECT_THAT(help, HasSubstr(std::string(option.info.help)));
+  });
+  EXPECT_THAT(help, HasSubstr("than this; in (0, 180) degrees; by default off"));
+  EXPECT_THAT(help, HasSubstr("in [0, 10000]; by default 130, lloyd 100, ccvt 1000"));
+  EXPECT_THAT(help, HasSubstr("; finite and greater than 0; by default 0.12"));
+  EXPECT_THAT(help, HasSubstr("one of ccst, white, poisson, elimination, lloyd, ccvt; by default"));
+  EXPECT_THAT(HelpOf("analyze"), HasSubstr("in [0, 4]; by default 1"));
+}
+
+std::string RefusalOf(std::vector<const char*> flags) {
+  flags.insert(flags.begin(), {"sample", "a.obj"});
+  const auto command = std::get<SampleCommand>(Parse(flags));
+  const absl::Status status = CheckOptions(command.options);
+  EXPECT_EQ(ExitCodeFor(status), kRefused) << flags.back();
+  return std::string(status.message());
+}
+
+TEST(Flags, RefusalsNameTheFlagInTheUsersUnits) {
+  EXPECT_EQ(RefusalOf({"-n", "3"}), "--count is 3; it must be in [4, 10000000]");
+  EXPECT_EQ(RefusalOf({"-n", "9", "--crease-angle", "200"}),
+            "--crease-angle is 200; it must be in (0, 180) degrees");
+  EXPECT_EQ(RefusalOf({"-n", "9", "--tolerance", "0"}),
+            "--tolerance is 0; it must be finite and greater than 0");
+  EXPECT_EQ(RefusalOf({"-n", "9", "--density-exponent", "4.5"}),
+            "--density-exponent is 4.5; it must be in [0, 4]");
+  EXPECT_EQ(RefusalOf({"-n", "9", "--time-limit", "nan"}),
+            "--time-limit is nan; it must be greater than 0 seconds");
+}
+
+TEST(Flags, AngleIsGivenInDegrees) {
+  const auto command =
+      std::get<SampleCommand>(Parse({"sample", "a.obj", "--count", "9", "--crease-angle", "40"}));
+  EXPECT_EQ(command.options.crease_angle, 40.0 * std::numbers::pi / 180.0);
+}
+
+TEST(Flags, MethodsHaveTheirOwnDefaultIterations) {
+  const auto lloyd =
+      std::get<SampleCommand>(Parse({"sample", "a.obj", "--count", "9", "--method", "lloyd"}));
+  EXPECT_EQ(lloyd.options.max_iterations, DefaultMaxIterations(SamplingMethod::kLloyd));
+  const auto given = std::get<SampleCommand>(
+      Parse({"sample", "a.obj", "--count", "9", "--max-iterations", "7", "--method", "lloyd"}));
+  EXPECT_EQ(given.options.max_iterations, 7);
+}
+
 TEST(Flags, WrongCommandLinesAreUsageErrors) {
+  // A file that exists wherever the test runs: outputs that are inputs are found by what they are.
+  const std::string path = testing::TempDir() + "ccst_flags_test_input";
+  std::ofstream(path) << "kept";
+  const char* const file = path.c_str();
+  const std::string texture = "texture:" + path;
+  const std::string other = "c=" + path;
   const std::vector<std::vector<const char*>> wrong = {
       {},
       {"nonsense"},
@@ -121,6 +218,10 @@ TEST(Flags, WrongCommandLinesAreUsageErrors) {
       {"sample", "a.obj", "--count", "9", "--energy", "0"},
       {"sample", "a.obj", "--count", "9", "--progress", "loud"},
       {"sample", "a.obj", "--count", "9", "--seed", "-1"},
+      {"sample", "a.obj", "--count", "9", "--density", "uniform:"},
+      {"sample", "a.obj", "--count", "9", "--density", "curvature:mean"},
+      {"sample", "a.obj", "--count", "9", "--density", "attribute"},
+      {"sample", "a.obj", "--count", "9", "--density", "texture:"},
       {"sample", "a.obj", "--count", "9", "--threads", "2"},
       {"sample", "a.obj", "--count", "9", "--local", "--threads", "0"},
       {"sample", "a.obj", "--count", "9", "--local", "--server", "here:1"},
@@ -133,6 +234,20 @@ TEST(Flags, WrongCommandLinesAreUsageErrors) {
       {"sample", "a.obj", "--count", "9", "-o", "-", "--mesh-output", "-"},
       {"sample", "a.obj", "--count", "9", "-o", "same.ply", "--mesh-output", "./same.ply"},
       {"sample", "a.obj", "--count", "9", "-o", "/no/such/folder/s.ply"},
+      {"sample", "a.obj", "--count", "9", "-o", "/dev/stdout", "--summary", "/dev/stdout"},
+      {"sample", file, "--count", "9", "--summary", file},
+      {"sample", "a.obj", "--density", texture.c_str(), "--count", "9", "--summary", file},
+      {"sample", "a.obj", "--count", "9", "--token-file", file, "--summary", file},
+      {"fetch", "7", "--surface", file, "--summary", file},
+      {"fetch", "7", "--tls-key", file, "--summary", file},
+      {"analyze", file, "--json", file},
+      {"analyze", "a.ply", "b.ply", "--surface", file, "--html", file},
+      {"analyze", "a.ply", "--json", "new.html", "--html", "./new.html"},
+      {"analyze", "a.ply", "--json", "-", "--html", "-"},
+      {"compare",
+       "a=b.ply,./"
+       "b.ply",
+       other.c_str(), "--html", file},
       {"info", "--count", "9"},
   };
   for (const auto& arguments : wrong) {

@@ -27,6 +27,14 @@ AlternationReport Report(int alternation, int limit) {
   return report;
 }
 
+// What was written to `file`.
+std::string Contents(std::FILE* file) {
+  std::string text(static_cast<std::size_t>(std::ftell(file)), '\0');
+  std::rewind(file);
+  text.resize(std::fread(text.data(), 1, text.size(), file));
+  return text;
+}
+
 // What a printer writes to a file, which is no terminal.
 std::string Printed(ProgressStyle style, int alternations) {
   std::unique_ptr<std::FILE, decltype(&std::fclose)> file(std::tmpfile(), &std::fclose);
@@ -34,10 +42,7 @@ std::string Printed(ProgressStyle style, int alternations) {
   printer.Note("waiting");
   for (int i = 0; i < alternations; ++i) printer.Show(Report(i, alternations));
   printer.Finish();
-  std::string text(static_cast<std::size_t>(std::ftell(file.get())), '\0');
-  std::rewind(file.get());
-  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
-  return text;
+  return Contents(file.get());
 }
 
 TEST(ProgressLine, ShowsTheFigures) {
@@ -95,6 +100,14 @@ TEST(ProgressPrinter, BarStaysOnOneLine) {
   const std::string text = Printed(ProgressStyle::kBar, 3);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
   EXPECT_EQ(text.back(), '\n');
+}
+
+TEST(ProgressPrinter, NotesHoldNothingThatATerminalObeys) {
+  for (const ProgressStyle style : {ProgressStyle::kLines, ProgressStyle::kBar}) {
+    const std::unique_ptr<std::FILE, decltype(&std::fclose)> file(std::tmpfile(), &std::fclose);
+    ProgressPrinter(style, file.get()).Note("lost: \x1b]0;title\x07\nand more");
+    EXPECT_THAT(Contents(file.get()), HasSubstr("lost: \\u001b]0;title\\u0007\\nand more"));
+  }
 }
 
 TEST(ProgressPrinter, NoneIsSilent) { EXPECT_EQ(Printed(ProgressStyle::kNone, 3), ""); }

@@ -43,7 +43,7 @@ def services():
 
 class Dockerfile(unittest.TestCase):
     def test_images_run_without_privileges(self):
-        for name in ("server", "prometheus"):
+        for name in ("server", "proxy", "prometheus"):
             users = [i for i in stages()[name] if i.startswith("USER ")]
             self.assertEqual(users[-1:], [f"USER {UNPRIVILEGED}"], name)
 
@@ -79,7 +79,7 @@ class Dockerfile(unittest.TestCase):
 
 class Compose(unittest.TestCase):
     def test_every_service_is_hardened(self):
-        self.assertEqual(set(services()), {"server", "prometheus"})
+        self.assertEqual(set(services()), {"server", "proxy", "prometheus"})
         for name, text in services().items():
             for line in HARDENING:
                 self.assertIn(f"\n    {line}", text, name)
@@ -87,9 +87,20 @@ class Compose(unittest.TestCase):
     def test_ports_are_open_to_this_machine_alone(self):
         for name, text in services().items():
             ports = re.findall(r'- "([^"]*:\d+:\d+)"', text)
-            self.assertTrue(ports, name)
+            # Callers reach the server through the proxy alone.
+            self.assertEqual(bool(ports), name != "server", name)
             for port in ports:
                 self.assertTrue(port.startswith("127.0.0.1:"), f"{name}: {port}")
+
+    def test_server_and_proxy_meet_at_one_socket(self):
+        server, proxy = services()["server"], services()["proxy"]
+        self.assertIn("CCST_PROXY_SOCKET: /run/ccst/server.sock", server)
+        self.assertIn("CCST_LISTEN: 127.0.0.1:", server)
+        for text in (server, proxy):
+            self.assertIn("- run:/run/ccst\n", text)
+        for name in ("ends-tls.cfg", "passes-tls.cfg"):
+            configuration = (TREE / "deploy/haproxy" / name).read_text()
+            self.assertIn("presetenv CCST_PROXY_SOCKET /run/ccst/server.sock", configuration)
 
     def test_every_service_is_a_target_of_the_dockerfile(self):
         for name, text in services().items():

@@ -142,9 +142,31 @@ class Results(Remote):
 
     def test_time_limit_is_a_result(self):
         mesh = self.write("a.obj", torus())
-        result = self.sample(mesh, *ENDLESS, "--time-limit", "0.5", "--summary", "s.json")
+        result = self.sample(mesh, *ENDLESS, "--time-limit", "3", "--summary", "s.json")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(json.loads(self.read("s.json"))["termination"], "time_limit")
+
+    def test_time_limit_without_a_result_is_3(self):
+        mesh = self.write("a.obj", torus())
+        for place in (["--server", self.server.address], ["--local"]):
+            for method in ("ccst", "white", "poisson", "elimination", "lloyd", "ccvt"):
+                result = self.ccst(
+                    "sample", mesh, "-n", "1000", "--method", method, "--time-limit", "1e-6", *place,
+                    "-o", "s.ply", "--progress", "none",
+                )  # fmt: skip
+                self.assertEqual(result.returncode, 3, result.stderr)
+                self.assertIn("the time limit passed while", result.stderr)
+                self.assertNotIn("cannot reach", result.stderr)
+                self.assertFalse(os.path.exists(self.path("s.ply")))
+
+    def test_thin_mesh_is_refused_at_once(self):
+        mesh = self.write(
+            "strip.obj", "v 0 0 0\nv 1e9 0 0\nv 1e9 .01 0\nv 0 .01 0\nf 1 2 3\nf 1 3 4\n"
+        )
+        for place in (["--server", self.server.address], ["--local"]):
+            result = self.ccst("sample", mesh, "-n", "64", *place, "-o", "s.ply")
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn("boundary", result.stderr)
 
     def test_info_describes_the_server(self):
         result = self.ccst("info", "--server", self.server.address, "--json")

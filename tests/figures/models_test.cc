@@ -17,7 +17,7 @@
 #include "core/io/image_file.h"
 #include "core/io/mesh_file.h"
 #include "core/io/whole_file.h"
-#include "core/sampling/density_source.h"
+#include "core/sampling/input/density_source.h"
 #include "core/sampling/sampling.h"
 #include "core/spatial/hilbert.h"
 
@@ -47,7 +47,7 @@ TriangleMesh Read(const std::string& name) {
 // The density a run follows, on the faces of a mesh that needs no repair.
 Density DensityOf(const TriangleMesh& mesh, const Surface& surface, const DensityOptions& options) {
   RepairedMesh same = *Repair(mesh);
-  return *MakeDensity(mesh, SourceMap(mesh, same), surface, options);
+  return *internal::MakeDensity(mesh, internal::SourceMap(mesh, same), surface, options);
 }
 
 // Root mean square of the relative error of the share of samples, over `count` patches of about
@@ -121,7 +121,8 @@ TEST_F(Models, HalftoneFollowsTheTexture) {
   const SampleSet area = SampleSurface(mesh, uniform)->samples;
   const RepairedMesh repaired = *Repair(mesh);
   const Surface surface = *Surface::Build(repaired.mesh);
-  const Density density = *MakeDensity(mesh, SourceMap(mesh, repaired), surface, options.density);
+  const Density density =
+      *internal::MakeDensity(mesh, internal::SourceMap(mesh, repaired), surface, options.density);
   ASSERT_EQ(surface.face_count(), static_cast<std::int32_t>(mesh.faces.size()));
   const double radius = 3.0 * std::sqrt(result.surface.area / 20000.0);
   const double footprint = surface.area() / 20000.0;

@@ -1,4 +1,5 @@
 // Makes the seed corpus: fuzz_corpus FOLDER writes FOLDER/<target>/<input>.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -54,6 +55,9 @@ ccst::TriangleMesh WithAttributes(ccst::TriangleMesh mesh) {
   return mesh;
 }
 
+/// Two triangles a hundred billion times as long as wide.
+ccst::TriangleMesh Strip() { return shapes::PlaneGrid(1e9, 0.01, 1, 1); }
+
 std::map<std::string, ccst::TriangleMesh> Meshes() {
   return {{"cube", shapes::Cube()},
           {"triangle", shapes::SingleTriangle()},
@@ -63,6 +67,8 @@ std::map<std::string, ccst::TriangleMesh> Meshes() {
           {"fins", shapes::ThreeFins()},
           {"touching", shapes::TetrahedraSharingVertex()},
           {"moebius", shapes::MoebiusStrip(12, 2)},
+          {"strip", Strip()},
+          {"pierced", shapes::SphereWithHole(0.8, 6, 8)},
           {"attributes", WithAttributes(shapes::Cube())},
           {"flipped", shapes::WithFlippedFace(shapes::Icosphere(1), 7)}};
 }
@@ -137,7 +143,9 @@ void AddRepairs(const std::string& name, const ccst::TriangleMesh& mesh, Corpus*
     if ((flags & 2) != 0) bytes += static_cast<char>(9);
     bytes += static_cast<char>(mesh.positions.size());
     for (const Eigen::Vector3d& p : mesh.positions) {
-      for (int k = 0; k < 3; ++k) bytes += static_cast<char>(static_cast<int>(40.0 * p[k]));
+      for (int k = 0; k < 3; ++k) {
+        bytes += static_cast<char>(static_cast<int>(std::clamp(40.0 * p[k], -128.0, 127.0)));
+      }
     }
     for (const Eigen::Vector3i& face : mesh.faces) {
       for (const int v : face) bytes += static_cast<char>(v);

@@ -1,8 +1,9 @@
-// Repair() of any triangle list: an oriented manifold or a refusal.
+// Repair() of any triangle list: an oriented manifold or a refusal. And a job on it: samples or a
+// refusal.
 //
-// Layout of an input: a byte of flags, a byte of tolerance, a byte V, then V positions, then faces
-// of three bytes. Positions are three bytes on a coarse grid, which makes many coincide; with
-// flag 1 they are three doubles, of any bits.
+// Layout of an input: a byte of flags, whose upper five bits tell what is asked of the job, a byte
+// of tolerance, a byte V, then V positions, then faces of three bytes. Positions are three bytes on
+// a coarse grid, which makes many coincide; with flag 1 they are three doubles, of any bits.
 #include "core/repair/repair.h"
 
 #include <cmath>
@@ -11,6 +12,7 @@
 
 #include "core/quality/mesh_topology.h"
 #include "core/surface/surface.h"
+#include "tests/fuzz/sample_few.h"
 #include "tests/fuzz/target.h"
 
 namespace {
@@ -58,6 +60,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     Eigen::Vector3i& face = mesh.faces.emplace_back();
     for (int k = 0; k < 3; ++k) face[k] = bytes.Take<std::uint8_t>() % (limit > 0 ? limit : 1);
   }
+  SampleFew(mesh, (flags >> 3) * 977U + static_cast<std::uint32_t>(mesh.faces.size()));
   const auto repaired = ccst::Repair(mesh, options);
   if (!repaired.ok()) return 0;
   const auto vertices = static_cast<std::int64_t>(repaired->mesh.positions.size());

@@ -8,6 +8,7 @@
 #include "ccst/v1/mesh_service.pb.h"
 #include "ccst/v1/sampling_service.pb.h"
 #include "core/base/status.h"
+#include "proto/convert/field_limits.h"
 #include "proto/convert/job_request.h"
 #include "proto/convert/names.h"
 #include "proto/convert/options.h"
@@ -56,9 +57,19 @@ void RunCreateJob(const std::string& bytes) {
   if (request.ParseFromString(bytes)) Check(ccst::FromProto(request, kLimits));
 }
 
+// Reads a request as a call does, which first of all looks at the length of every field; false when
+// it is none or refused.
+template <typename Request>
+bool Receive(const std::string& bytes, Request& request) {
+  if (!request.ParseFromString(bytes)) return false;
+  const absl::Status status = ccst::CheckFieldLimits(request);
+  if (!status.ok()) CheckRefusal(status);
+  return status.ok();
+}
+
 void RunListJobs(const std::string& bytes) {
   v1::ListJobsRequest request;
-  if (!request.ParseFromString(bytes)) return;
+  if (!Receive(bytes, request)) return;
   ccst::Violations violations;
   ccst::server::FromProto(request, "owner", violations);
   const int size = ccst::server::PageSize(request.page_size(), violations);
@@ -69,10 +80,10 @@ void RunListJobs(const std::string& bytes) {
 
 void RunFindMissing(const std::string& bytes) {
   v1::FindMissingMeshesRequest request;
-  if (!request.ParseFromString(bytes)) return;
+  if (!Receive(bytes, request)) return;
   const auto digests = ccst::server::FromProto(request);
   if (!digests.ok()) return CheckRefusal(digests.status());
-  if (digests->size() > ccst::server::kMaxDigests) std::abort();
+  if (digests->size() > ccst::kMaxDigests) std::abort();
 }
 
 const ccst::server::MeshStoreOptions& MeshLimits() {

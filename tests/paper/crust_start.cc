@@ -12,9 +12,9 @@
 #include "core/base/interrupt.h"
 #include "core/base/status.h"
 #include "core/io/mesh_file.h"
-#include "core/sampling/edge_flips.h"
-#include "core/sampling/initial_mesh.h"
-#include "core/sampling/relaxation.h"
+#include "core/sampling/mesh/edge_flips.h"
+#include "core/sampling/relax/relaxation.h"
+#include "core/sampling/start/initial_mesh.h"
 #include "tests/paper/report.h"
 #include "tests/paper/start.h"
 
@@ -34,9 +34,10 @@ nlohmann::json Converge(Start start, SampleMesh mesh) {
   Interrupt never;
   SamplingOptions options;
   options.sample_count = start.samples.count();
-  const RelaxationReport report = Relax(
+  // Never interrupted, it has a result.
+  const internal::RelaxationReport report = *Relax(
       start.surface, start.density, start.plan, options, [](const AlternationReport&) {}, &never,
-      &never, &mesh, &start.samples);
+      Interrupt::Clock::duration::zero(), &mesh, &start.samples);
   const SampleSet set = MakeSampleSet(start, mesh);
   nlohmann::json row = ReportFigures(start.surface, {&set, 1});
   row.erase("radial_mean");  // Of one set each: too long to print.
@@ -78,7 +79,7 @@ absl::Status Run(const Options& options, const std::string& path, std::int64_t c
     if (crust.usable) {
       SampleMesh mesh;
       mesh.SetTriangles(static_cast<std::int32_t>(count), crust.triangles);
-      EdgeFlips(&mesh, &start.samples.position, &start.samples.normal).FlipAll();
+      internal::EdgeFlips(&mesh, &start.samples.position, &start.samples.normal).FlipAll();
       row["by_crust"] = Converge(start, std::move(mesh));
     }
   }

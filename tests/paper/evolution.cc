@@ -18,9 +18,9 @@
 #include "core/base/status.h"
 #include "core/io/mesh_file.h"
 #include "core/parallel/parallel.h"
-#include "core/sampling/edge_flips.h"
-#include "core/sampling/geometry_phase.h"
-#include "core/sampling/initial_mesh.h"
+#include "core/sampling/mesh/edge_flips.h"
+#include "core/sampling/relax/geometry_phase.h"
+#include "core/sampling/start/initial_mesh.h"
 #include "tests/paper/report.h"
 #include "tests/paper/start.h"
 
@@ -86,11 +86,11 @@ absl::Status Run(const Options& options) {
   };
 
   const Parallel one_thread;
-  GeometryPhase geometry(&start.surface, &start.density, &start.plan, options.energy, &mesh,
-                         &start.samples, &one_thread);
+  internal::GeometryPhase geometry(&start.surface, &start.density, &start.plan, options.energy,
+                                   &mesh, &start.samples, &one_thread);
   geometry.stretch = 1.0;  // The minimiser as it is.
   geometry.rest = 1e-3;
-  EdgeFlips flips(&mesh, &start.samples.position, &start.samples.normal);
+  internal::EdgeFlips flips(&mesh, &start.samples.position, &start.samples.normal);
   nlohmann::json rows = nlohmann::json::array();
   const auto record = [&](int phase, int pass, std::int64_t flipped) {
     nlohmann::json row = MeasureEnergies(MakeSampleSet(start, mesh), area);

@@ -9,7 +9,7 @@
 #include "core/base/status.h"
 #include "core/methods/methods.h"
 #include "core/repair/repair.h"
-#include "core/sampling/initial_points.h"
+#include "core/sampling/start/initial_points.h"
 
 namespace ccst::paper {
 namespace {
@@ -46,7 +46,8 @@ absl::StatusOr<Start> DrawStart(const TriangleMesh& mesh, std::int64_t count, st
   }
   Density uniform = Density::Uniform(surface);
   std::int64_t smallest = 0;
-  CCST_ASSIGN_OR_RETURN(Plan plan, MakePlan(surface, uniform, {}, count, seed, &smallest));
+  CCST_ASSIGN_OR_RETURN(Plan plan,
+                        internal::MakePlan(surface, uniform, {}, count, seed, &smallest));
   Samples samples;
   if (points == Points::kStrata) {
     CCST_ASSIGN_OR_RETURN(samples, DrawInitialPoints(surface, uniform, plan, seed, &never));

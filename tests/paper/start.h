@@ -5,18 +5,22 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "core/crust/crust.h"
 #include "core/density/density.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/quality/mesh_topology.h"
-#include "core/sampling/plan.h"
-#include "core/sampling/sample_mesh.h"
-#include "core/sampling/samples.h"
+#include "core/sampling/mesh/sample_mesh.h"
+#include "core/sampling/mesh/samples.h"
 #include "core/sampling/sampling.h"
+#include "core/sampling/start/plan.h"
 #include "core/surface/surface.h"
+#include "tests/paper/crust/crust.h"
 
 /// The algorithm in single steps, for what the command cannot show.
 namespace ccst::paper {
+
+using internal::Plan;
+using internal::SampleMesh;
+using internal::Samples;
 
 /// A surface of one closed component and its initial samples, not yet connected.
 struct Start {

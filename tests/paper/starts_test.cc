@@ -12,9 +12,9 @@
 
 #include "core/analysis/differentials.h"
 #include "core/base/interrupt.h"
-#include "core/sampling/edge_flips.h"
-#include "core/sampling/initial_mesh.h"
-#include "core/sampling/relaxation.h"
+#include "core/sampling/mesh/edge_flips.h"
+#include "core/sampling/relax/relaxation.h"
+#include "core/sampling/start/initial_mesh.h"
 #include "tests/paper/start.h"
 #include "tests/support/shapes.h"
 
@@ -51,13 +51,14 @@ std::vector<double> Converge(Points points, Connection connection, std::uint64_t
     EXPECT_TRUE(crust.usable) << "seed " << seed;
     if (!crust.usable) return {};
     mesh.SetTriangles(static_cast<std::int32_t>(kCount), crust.triangles);
-    EdgeFlips(&mesh, &start.samples.position, &start.samples.normal).FlipAll();
+    internal::EdgeFlips(&mesh, &start.samples.position, &start.samples.normal).FlipAll();
   }
   SamplingOptions options;
   options.sample_count = kCount;
-  Relax(
+  const auto report = Relax(
       start.surface, start.density, start.plan, options, [](const AlternationReport&) {}, &never,
-      &never, &mesh, &start.samples);
+      Interrupt::Clock::duration::zero(), &mesh, &start.samples);
+  EXPECT_TRUE(report.ok()) << report.status();
   return RadialMean(start);
 }
 

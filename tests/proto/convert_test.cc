@@ -264,8 +264,8 @@ TEST(Convert, WideAttributesMakeShorterChunks) {
   }
   const std::int64_t count = SamplesPerChunk(samples.attributes);
   const std::size_t bytes = SampleChunkToProto(samples, 0, count).ByteSizeLong();
-  EXPECT_LT(bytes, 1U << 20);
-  EXPECT_GT(bytes, 1U << 19);
+  EXPECT_LT(bytes, 1U << 18);
+  EXPECT_GT(bytes, 1U << 17);
 }
 
 TEST(Convert, BrokenChunksAreRefused) {

@@ -11,6 +11,8 @@
 namespace ccst::server {
 namespace {
 
+const Peer kPeer = {.address = "peer"};
+
 class AuthenticatorTest : public testing::Test {
  protected:
   // Uses `lines` as the token file.
@@ -21,7 +23,7 @@ class AuthenticatorTest : public testing::Test {
     });
   }
   absl::StatusOr<Caller> Call(const std::string& token) {
-    return authenticator_.Authenticate("Bearer " + token, "peer");
+    return authenticator_.Authenticate("Bearer " + token, kPeer);
   }
 
   TempFolder folder_;
@@ -31,26 +33,44 @@ class AuthenticatorTest : public testing::Test {
   const std::string bob_ = TokenLine("bob", Scope::kReadOnly, "b") + "\n";
 };
 
-TEST_F(AuthenticatorTest, WithoutTokensEverybodyIsCalledAsTheirConnection) {
-  const auto caller = authenticator_.Authenticate("", "10.0.0.1");
+TEST_F(AuthenticatorTest, WithoutTokensEverybodyIsCalledByTheirAddress) {
+  const auto caller = authenticator_.Authenticate("", Peer{.address = "10.0.0.1"});
   ASSERT_TRUE(caller.ok());
   EXPECT_EQ(caller->owner, "10.0.0.1");
   EXPECT_EQ(caller->scope, Scope::kFull);
-  EXPECT_EQ(authenticator_.Authenticate("", "a b\nc")->owner, "a_b_c");
-  EXPECT_EQ(authenticator_.Authenticate("", "")->owner, "unknown");
+  EXPECT_FALSE(caller->known);
+  EXPECT_EQ(authenticator_.Authenticate("", Peer{.address = "a b\nc"})->owner, "a_b_c");
+  EXPECT_EQ(authenticator_.Authenticate("", Peer{})->owner, "unknown");
+}
+
+TEST_F(AuthenticatorTest, WithoutTokensACertificateSaysWhoCalls) {
+  const Peer peer = {.address = "10.0.0.1",
+                     .certificate = CertificateIdentity{.owner = "x509:1f", .label = "Zoe#1f"}};
+  const auto caller = authenticator_.Authenticate("", peer);
+  ASSERT_TRUE(caller.ok());
+  EXPECT_EQ(caller->owner, "x509:1f");
+  EXPECT_EQ(caller->visible_owner(), "x509:1f");
+  EXPECT_EQ(caller->shown(), "Zoe#1f");
+}
+
+TEST_F(AuthenticatorTest, CertificateThatNamesNobodyIsRefusedUnlessATokenSaysWhoCalls) {
+  const Peer peer = {.address = "10.0.0.1", .certificate = absl::UnauthenticatedError("nobody")};
+  EXPECT_TRUE(absl::IsUnauthenticated(authenticator_.Authenticate("", peer).status()));
+  ASSERT_TRUE(Use(alice_).ok());
+  EXPECT_EQ(authenticator_.Authenticate("Bearer a", peer)->owner, "alice");
 }
 
 TEST_F(AuthenticatorTest, TokenSaysWhoCalls) {
   ASSERT_TRUE(Use(alice_ + bob_).ok());
   EXPECT_EQ(Call("a")->owner, "alice");
   EXPECT_EQ(Call("b")->scope, Scope::kReadOnly);
-  EXPECT_EQ(authenticator_.Authenticate("bearer a", "peer")->owner, "alice");
+  EXPECT_EQ(authenticator_.Authenticate("bearer a", kPeer)->owner, "alice");
 }
 
 TEST_F(AuthenticatorTest, NoTokenAWrongOneAndAnotherSchemeAreRefused) {
   ASSERT_TRUE(Use(alice_).ok());
   for (const std::string authorization : {"", "a", "Basic a", "Bearer", "Bearer ", "Bearer x"}) {
-    const auto caller = authenticator_.Authenticate(authorization, "peer");
+    const auto caller = authenticator_.Authenticate(authorization, kPeer);
     EXPECT_EQ(GetErrorReason(caller.status()), ErrorReason::kUnauthenticated) << authorization;
     EXPECT_TRUE(absl::IsUnauthenticated(caller.status())) << authorization;
   }

@@ -50,8 +50,16 @@ void AddExtension(X509* certificate, X509* issuer, int id, const char* value) {
   X509_EXTENSION_free(extension);
 }
 
+void AddAttribute(const TestAttribute& attribute, X509_NAME* name) {
+  const int kind = attribute.kind == 0 ? V_ASN1_UTF8STRING : attribute.kind;
+  const auto* bytes = reinterpret_cast<const unsigned char*>(attribute.value.data());
+  Check(X509_NAME_add_entry_by_txt(name, attribute.type.c_str(), kind, bytes,
+                                   static_cast<int>(attribute.value.size()), -1,
+                                   attribute.beside ? -1 : 0) == 1);
+}
+
 // All but extensions and signature.
-Certificate Unsigned(const std::string& name, EVP_PKEY* key) {
+Certificate Unsigned(const std::vector<TestAttribute>& subject, EVP_PKEY* key) {
   Certificate certificate(X509_new(), X509_free);
   std::uint64_t serial = 0;
   Check(RAND_bytes(reinterpret_cast<unsigned char*>(&serial), sizeof serial) == 1);
@@ -59,8 +67,9 @@ Certificate Unsigned(const std::string& name, EVP_PKEY* key) {
   ASN1_INTEGER_set_uint64(X509_get_serialNumber(certificate.get()), serial >> 1);
   X509_gmtime_adj(X509_getm_notBefore(certificate.get()), -kMinute);
   X509_gmtime_adj(X509_getm_notAfter(certificate.get()), 60 * kMinute);
-  X509_NAME_add_entry_by_txt(X509_get_subject_name(certificate.get()), "CN", MBSTRING_ASC,
-                             reinterpret_cast<const unsigned char*>(name.c_str()), -1, -1, 0);
+  for (const TestAttribute& attribute : subject) {
+    AddAttribute(attribute, X509_get_subject_name(certificate.get()));
+  }
   Check(X509_set_pubkey(certificate.get(), key) == 1);
   return certificate;
 }
@@ -69,7 +78,7 @@ Certificate Unsigned(const std::string& name, EVP_PKEY* key) {
 
 TestCertificate MakeAuthority(const std::string& name) {
   const Key key(EVP_EC_gen("P-256"), EVP_PKEY_free);
-  const Certificate certificate = Unsigned(name, key.get());
+  const Certificate certificate = Unsigned({{.type = "CN", .value = name}}, key.get());
   X509_set_issuer_name(certificate.get(), X509_get_subject_name(certificate.get()));
   AddExtension(certificate.get(), certificate.get(), NID_basic_constraints, "critical,CA:TRUE");
   AddExtension(certificate.get(), certificate.get(), NID_key_usage, "critical,keyCertSign");
@@ -78,16 +87,35 @@ TestCertificate MakeAuthority(const std::string& name) {
 }
 
 TestCertificate MakeCertificate(const TestCertificate& authority, const std::string& name) {
+  return MakeCertificateOf(authority,
+                           {.subject = {{.type = "CN", .value = name}},
+                            .alternatives = "DNS:" + name + ",DNS:localhost,IP:127.0.0.1"});
+}
+
+std::string DerOf(const TestCertificate& certificate) {
+  const Certificate read(
+      PEM_read_bio_X509(Input(certificate.certificate).get(), nullptr, nullptr, nullptr),
+      X509_free);
+  unsigned char* der = nullptr;
+  const int size = i2d_X509(read.get(), &der);
+  Check(size > 0);
+  std::string bytes(reinterpret_cast<const char*>(der), static_cast<std::size_t>(size));
+  OPENSSL_free(der);
+  return bytes;
+}
+
+TestCertificate MakeCertificateOf(const TestCertificate& authority, const TestNames& names) {
   const Certificate issuer(
       PEM_read_bio_X509(Input(authority.certificate).get(), nullptr, nullptr, nullptr), X509_free);
   const Key issuer_key(
       PEM_read_bio_PrivateKey(Input(authority.key).get(), nullptr, nullptr, nullptr),
       EVP_PKEY_free);
   const Key key(EVP_EC_gen("P-256"), EVP_PKEY_free);
-  const Certificate certificate = Unsigned(name, key.get());
+  const Certificate certificate = Unsigned(names.subject, key.get());
   X509_set_issuer_name(certificate.get(), X509_get_subject_name(issuer.get()));
-  const std::string names = "DNS:" + name + ",DNS:localhost,IP:127.0.0.1";
-  AddExtension(certificate.get(), issuer.get(), NID_subject_alt_name, names.c_str());
+  if (!names.alternatives.empty()) {
+    AddExtension(certificate.get(), issuer.get(), NID_subject_alt_name, names.alternatives.c_str());
+  }
   Check(X509_sign(certificate.get(), issuer_key.get(), EVP_sha256()) > 0);
   return ToPem(certificate.get(), key.get());
 }

@@ -72,6 +72,7 @@ TEST_F(CommandLineTest, FileMayComeFromTheEnvironmentAndSetEveryKind) {
   const Variable config("CCST_CONFIG",
                         folder_.Write("config",
                                       "# a comment\nlisten = \"0.0.0.0:0\"\ninsecure = true\n"
+                                      "without-proxy = true\n"
                                       "drain-timeout = 1.5\nlog-format = \"json\"\n"));
   const Outcome outcome = Parse({});
   EXPECT_EQ(outcome.options().listen, "0.0.0.0:0");
@@ -137,13 +138,49 @@ TEST_F(CommandLineTest, OtherMachinesNeedTlsOrInsecure) {
   for (const char* advice : {"--tls-cert", "--insecure", "127.0.0.1"}) {
     EXPECT_NE(refused.errors.find(advice), std::string::npos) << refused.errors;
   }
-  EXPECT_EQ(Parse({"--listen", "0.0.0.0:0", "--insecure"}).exit_code(), -1);
-  EXPECT_EQ(Parse({"--listen", "[::]:0", "--tls-cert", "c", "--tls-key", "k"}).exit_code(), -1);
+  EXPECT_EQ(Parse({"--listen", "0.0.0.0:0", "--insecure", "--without-proxy"}).exit_code(), -1);
+  EXPECT_EQ(Parse({"--listen", "[::]:0", "--tls-cert", "c", "--tls-key", "k", "--without-proxy"})
+                .exit_code(),
+            -1);
   EXPECT_EQ(Parse({"--listen", "0.0.0.0:0", "--auth-token-file", "t"}).exit_code(), 1);
   const Outcome metrics = Parse({"--metrics-listen", "0.0.0.0:0"});
   EXPECT_EQ(metrics.exit_code(), 1);
   EXPECT_NE(metrics.errors.find("--metrics-listen 0.0.0.0:0"), std::string::npos);
   EXPECT_EQ(Parse({"--metrics-listen", "127.0.0.1:0"}).exit_code(), -1);
+}
+
+TEST_F(CommandLineTest, OtherMachinesNeedAProxyOrSayWhatIsLacking) {
+  const Outcome refused = Parse({"--listen", "0.0.0.0:0", "--insecure"});
+  EXPECT_EQ(refused.exit_code(), 1);
+  for (const char* advice : {"deploy/haproxy", "--proxy-socket", "--without-proxy", "how often"}) {
+    EXPECT_NE(refused.errors.find(advice), std::string::npos) << refused.errors;
+  }
+  EXPECT_EQ(Parse({"--listen", "[::]:0", "--tls-cert", "c", "--tls-key", "k"}).exit_code(), 1);
+  // Encryption is another matter.
+  EXPECT_EQ(Parse({"--listen", "0.0.0.0:0", "--without-proxy"}).exit_code(), 1);
+  EXPECT_EQ(Parse({"--listen", "127.0.0.1:0", "--proxy-socket", "/run/ccst/p.sock"}).exit_code(),
+            -1);
+  EXPECT_EQ(Parse({"--proxy-socket", std::string(108, 'p')}).exit_code(), 1);
+}
+
+TEST_F(CommandLineTest, LimitsOfConnectionsAreSettings) {
+  const Outcome outcome = Parse({"--max-connections", "50", "--max-connections-per-address", "20"});
+  const GateOptions gate = outcome.options().ConnectionOptions(1'000'000);
+  EXPECT_EQ(gate.max_connections, 50);
+  EXPECT_EQ(gate.max_connections_per_address, 20);
+  EXPECT_EQ(Parse({"--max-connections", "0"}).exit_code(), 1);
+  EXPECT_EQ(Parse({"--max-connections-per-address", "0"}).exit_code(), 1);
+}
+
+// Three for each connection, with half of few, or a thousand, for everything else.
+TEST_F(CommandLineTest, FewDescriptorsMeanFewerConnections) {
+  const ServerOptions options;
+  EXPECT_EQ(options.ConnectionOptions(1'000'000).max_connections, 2048);
+  EXPECT_EQ(options.ConnectionOptions(4096).max_connections, 1024);
+  EXPECT_EQ(options.ConnectionOptions(1024).max_connections, 170);
+  EXPECT_EQ(options.ConnectionOptions(1024).max_connections_per_address, 85);
+  EXPECT_EQ(options.ConnectionOptions(128).max_connections, 21);
+  EXPECT_EQ(options.ConnectionOptions(0).max_connections, 1);
 }
 
 TEST_F(CommandLineTest, TlsFilesGoTogether) {

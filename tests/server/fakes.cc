@@ -66,18 +66,21 @@ SampleFunction GatedSampler(Gate& started, Gate& go) {
 
 RunDependencies FakeDependencies(SampleFunction sample) {
   auto ticks = std::make_shared<std::atomic<int>>(0);
-  return {.count = [](std::span<const char>, std::int64_t,
-                      const MeshLimits&) -> absl::StatusOr<MeshCounts> { return MeshCounts(); },
-          .decode = [](std::span<const char>, const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
-            return TriangleMesh();
-          },
-          .decode_image = [](std::span<const char>) -> absl::StatusOr<Image> { return Image(); },
-          .sample = std::move(sample),
-          .digest = [](const SampleSet&) { return std::string("digest"); },
-          .clock = {.now = [] { return absl::FromUnixSeconds(1'700'000'000); },
-                    .seconds = [ticks] { return static_cast<double>(++*ticks); }},
-          .mesh_limits = {},
-          .threads_per_job = 1};
+  return {
+      .count = [](const ByteSource&, const MeshLimits&) -> absl::StatusOr<MeshCounts> {
+        return MeshCounts();
+      },
+      .image_facts = [](const ByteSource&) -> absl::StatusOr<ImageFacts> { return ImageFacts(); },
+      .decode = [](std::span<const char>, const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
+        return TriangleMesh();
+      },
+      .decode_image = [](std::span<const char>) -> absl::StatusOr<Image> { return Image(); },
+      .sample = std::move(sample),
+      .digest = [](const SampleSet&) { return std::string("digest"); },
+      .clock = {.now = [] { return absl::FromUnixSeconds(1'700'000'000); },
+                .seconds = [ticks] { return static_cast<double>(++*ticks); }},
+      .mesh_limits = {},
+      .threads_per_job = 1};
 }
 
 Job::Post PostNow() {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
 #include "tests/server/test_server.h"
 
@@ -39,6 +40,30 @@ TEST(ToGrpcStatus, WhatMayWorkLaterSaysWhen) {
     EXPECT_TRUE(Unpack(
         Details(ToGrpcStatus(MakeError(absl::StatusCode::kUnavailable, reason, "later"))), advice));
   }
+}
+
+TEST(ToGrpcStatus, QuotaSaysItsLimitAndWhenToComeAgain) {
+  const v1::Status details =
+      Details(ToGrpcStatus(OverQuota({"max_watchers_per_job", 3, 4}, "four are too many")));
+  EXPECT_EQ(details.code(), static_cast<int>(grpc::StatusCode::RESOURCE_EXHAUSTED));
+  v1::LimitViolation violation;
+  ASSERT_TRUE(Unpack(details, violation));
+  EXPECT_EQ(violation.limit(), "max_watchers_per_job");
+  EXPECT_EQ(violation.limit_value(), 3);
+  EXPECT_EQ(violation.requested_value(), 4);
+  v1::RetryAdvice advice;
+  EXPECT_TRUE(Unpack(details, advice));
+}
+
+TEST(ToGrpcStatus, WhatNeverFitsIsNotToldToComeAgain) {
+  const v1::Status details =
+      Details(ToGrpcStatus(OverLimit({"max_mesh_bytes", 3, 4}, "four are too many")));
+  EXPECT_EQ(details.code(), static_cast<int>(grpc::StatusCode::INVALID_ARGUMENT));
+  v1::LimitViolation violation;
+  ASSERT_TRUE(Unpack(details, violation));
+  EXPECT_EQ(violation.limit(), "max_mesh_bytes");
+  v1::RetryAdvice advice;
+  EXPECT_FALSE(Unpack(details, advice));
 }
 
 }  // namespace

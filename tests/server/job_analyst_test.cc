@@ -11,7 +11,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
+#include "server/jobs/memory_estimate.h"
 #include "server/rpc/analyze_job.h"
 #include "server/rpc/job_codec.h"
 #include "tests/server/fakes.h"
@@ -72,8 +74,7 @@ class JobAnalystTest : public testing::Test {
     meshes_[kTorus] = shapes::Torus(1.0, 0.4, 25, 20);
     meshes_[kPlane] = PlaneOfTwoHalves();
     run_ = FakeDependencies(SampleSurface);
-    run_.count = [](std::span<const char>, std::int64_t,
-                    const MeshLimits&) -> absl::StatusOr<MeshCounts> {
+    run_.count = [](const ByteSource&, const MeshLimits&) -> absl::StatusOr<MeshCounts> {
       return MeshCounts{.vertices = kFaces / 2, .faces = kFaces};
     };
     run_.decode = [this](std::span<const char> bytes,
@@ -102,7 +103,7 @@ class JobAnalystTest : public testing::Test {
     if (density.source == DensitySource::kTexture) {
       spec.texture_sha256 = *PutWhole(store_->blobs(), "image");
     }
-    auto job = jobs_->Create(std::move(spec));
+    auto job = jobs_->Create(spec);
     EXPECT_TRUE(job.ok()) << job.status();
     jobs_->WaitUntilIdle(absl::InfiniteDuration());
     EXPECT_EQ((*job)->View().state, JobState::kSucceeded) << (*job)->View().error;
@@ -220,7 +221,9 @@ TEST_F(JobAnalystTest, MemoryIsThatOfJobsAndGivenBack) {
     return meshes_.at(kTorus);
   };
   Measure(*job);
-  EXPECT_EQ(used, EstimateMemory(kFaces / 2, kFaces, job->spec().options));
+  const InputCounts input = {.mesh = {.vertices = kFaces / 2, .faces = kFaces}};
+  EXPECT_EQ(used,
+            EstimateAnalysis(input, job->spec().options.density, job->spec().options.sample_count));
   EXPECT_EQ(budget_->used_bytes(), 0);
 }
 
@@ -230,6 +233,18 @@ TEST_F(JobAnalystTest, MemoryThatJobsHoldIsRefusedAfterTheWait) {
   const auto figures = Analyst(absl::ZeroDuration()).Measure(*job, {});
   EXPECT_EQ(figures.status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(GetErrorReason(figures.status()), ErrorReason::kQueueFull);
+}
+
+TEST_F(JobAnalystTest, WhatNeedsMoreThanThereEverIsIsNotToldToComeAgain) {
+  const auto job = Run(SamplingMethod::kPoissonDisk);
+  run_.count = [](const ByteSource&, const MeshLimits&) -> absl::StatusOr<MeshCounts> {
+    return MeshCounts{.faces = std::int64_t{1} << 40};
+  };
+  const absl::Status refused = Analyst().Measure(*job, {}).status();
+  EXPECT_TRUE(absl::IsInvalidArgument(refused));
+  EXPECT_EQ(GetErrorReason(refused), ErrorReason::kLimitExceeded);
+  ASSERT_TRUE(GetPassedLimit(refused).has_value());
+  EXPECT_EQ(GetPassedLimit(refused)->name, "max_job_memory_bytes");
 }
 
 TEST_F(JobAnalystTest, StopEndsTheWaitForMemory) {
@@ -243,6 +258,29 @@ TEST_F(JobAnalystTest, StopEndsTheWaitForMemory) {
     stop.request_stop();
   }
   EXPECT_TRUE(absl::IsCancelled(end)) << end;
+}
+
+TEST_F(JobAnalystTest, LongestComputationBoundsMeasuringToo) {
+  const auto job = Run(SamplingMethod::kPoissonDisk);
+  run_.max_seconds = 1e-9;
+  const absl::Status end = Analyst().Measure(*job, {}).status();
+  EXPECT_EQ(end.code(), absl::StatusCode::kDeadlineExceeded) << end;
+  EXPECT_EQ(GetErrorReason(end), ErrorReason::kTimeLimitExceeded);
+  EXPECT_EQ(budget_->used_bytes(), 0);
+}
+
+TEST_F(JobAnalystTest, LongestComputationLeavesASlowDecoderBehind) {
+  const auto job = Run(SamplingMethod::kPoissonDisk);
+  Gate go;
+  run_.decode = [&](std::span<const char>, const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
+    go.Wait();
+    return meshes_.at(kTorus);
+  };
+  run_.max_seconds = 0.05;
+  JobAnalyst analyst = Analyst();
+  const absl::Status end = analyst.Measure(*job, {}).status();
+  EXPECT_EQ(GetErrorReason(end), ErrorReason::kTimeLimitExceeded) << end;
+  go.Open();
 }
 
 TEST_F(JobAnalystTest, StopLeavesTheDecoderBehindWithItsMemory) {

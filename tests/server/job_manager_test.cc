@@ -2,94 +2,21 @@
 #include "server/jobs/job_manager.h"
 
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
-#include "server/rpc/job_codec.h"
 #include "server/store/sqlite.h"
-#include "tests/server/fakes.h"
-#include "tests/server/temp_folder.h"
+#include "tests/server/job_manager_fixture.h"
 
 namespace ccst::server {
 namespace {
-
-class CountingJobObserver final : public JobObserver {
- public:
-  void OnPhase(std::string_view /*phase*/, double /*seconds*/) override {}
-  void OnAlternation() override {}
-  void OnEnd(std::string_view /*state*/, double /*seconds*/) override {}
-  void OnCancel(std::string_view reason) override { ++cancels[std::string(reason)]; }
-  void OnCacheLookup(std::string_view /*cache*/, bool hit) override { ++(hit ? hits : misses); }
-
-  // Told on the thread that asks.
-  std::map<std::string, int> cancels;
-  int hits = 0;
-  int misses = 0;
-};
-
-class JobManagerTest : public testing::Test {
- protected:
-  // Opens the store anew, as another process would, with `sample` as the sampler.
-  void Start(SampleFunction sample, JobManagerOptions options = {}) {
-    Stop();
-    store_ = *OpenEmbeddedStore(folder_.Path("data"), max_blob_bytes_);
-    pins_ = std::make_unique<BlobPins>(*store_);
-    RunDependencies run = FakeDependencies(std::move(sample));
-    run.clock.now = [this] { return now_; };
-    run.count = [](std::span<const char>, std::int64_t,
-                   const MeshLimits&) -> absl::StatusOr<MeshCounts> {
-      return MeshCounts{.vertices = 10, .faces = 20};
-    };
-    jobs_ = *JobManager::Start(*store_, *pins_, options,
-                               {.run = std::move(run),
-                                .codec = ProtoJobCodec(),
-                                .new_id = ids_,
-                                .observer = &observer_,
-                                .budget = budget_});
-  }
-  void Stop() {
-    jobs_ = nullptr;
-    pins_ = nullptr;
-    store_ = nullptr;
-  }
-  void TearDown() override { Stop(); }
-
-  JobSpec Spec(std::uint64_t seed = 0) {
-    JobSpec spec;
-    spec.share = "caller";
-    spec.mesh_sha256 = *PutWhole(store_->blobs(), "mesh");
-    spec.options.sample_count = 10;
-    spec.options.seed = seed;
-    return spec;
-  }
-  std::shared_ptr<Job> Create(JobSpec spec) {
-    auto job = jobs_->Create(std::move(spec));
-    EXPECT_TRUE(job.ok()) << job.status();
-    return *std::move(job);
-  }
-  JobView Finish(const std::string& id) {
-    jobs_->WaitUntilIdle(absl::InfiniteDuration());
-    return (*jobs_->Find("", id))->View();
-  }
-
-  std::int64_t max_blob_bytes_ = std::numeric_limits<std::int64_t>::max();
-  Gate started_;
-  Gate never_;
-  TempFolder folder_;
-  absl::Time now_ = absl::FromUnixSeconds(1'700'000'000);
-  std::function<std::string()> ids_ = CountingIds();
-  CountingJobObserver observer_;
-  std::shared_ptr<MemoryBudget> budget_;  // Null: the manager's own.
-  std::unique_ptr<Store> store_;
-  std::unique_ptr<BlobPins> pins_;
-  std::unique_ptr<JobManager> jobs_;
-};
 
 TEST_F(JobManagerTest, EndedJobsAreReadBackAfterARestart) {
   Start(QuickSampler(3));
@@ -235,14 +162,14 @@ TEST_F(JobManagerTest, DamagedJobFailsAndOthersRun) {
   EXPECT_EQ(GetErrorReason(failed.records.front().view.error), ErrorReason::kStorageFailed);
 }
 
-TEST_F(JobManagerTest, JobWhoseSamplesWouldNotFitTheDiskLimitIsRefused) {
+TEST_F(JobManagerTest, JobWhoseSamplesCouldNeverFitTheDiskLimitIsRefusedForGood) {
   max_blob_bytes_ = 1000;
   Start(QuickSampler());
   JobSpec spec = Spec();
   spec.options.sample_count = 20;
   const auto refused = jobs_->Create(spec);
-  EXPECT_TRUE(absl::IsResourceExhausted(refused.status()));
-  EXPECT_EQ(GetErrorReason(refused.status()), ErrorReason::kStorageFull);
+  EXPECT_TRUE(absl::IsInvalidArgument(refused.status()));
+  EXPECT_EQ(GetErrorReason(refused.status()), ErrorReason::kLimitExceeded);
 }
 
 TEST_F(JobManagerTest, ObserverIsToldWhoStoppedJobsAndWhatWasReused) {
@@ -325,6 +252,107 @@ TEST_F(JobManagerTest, SameRequestIdIsTheSameJob) {
   EXPECT_NE(Create(spec)->id(), id);
 }
 
+TEST_F(JobManagerTest, SameRequestIdIsTheSameJobWhenTheResultIsStored) {
+  Start(QuickSampler(3));
+  Finish(Create(Spec())->id());
+  JobSpec spec = Spec();
+  spec.request_id = "once";
+  // A second call with the request in the middle of the first.
+  std::string second;
+  const auto repeat = [&](std::string_view call) {
+    if (call != "AddJob" && call != "AddEndedJob" && call != "EndJob") return;
+    store_->after = [](std::string_view) {};
+    const auto repeated = jobs_->Create(spec);
+    ASSERT_TRUE(repeated.ok()) << call << ": " << repeated.status();
+    second = (*repeated)->id();
+    EXPECT_EQ((*repeated)->View().state, JobState::kSucceeded);
+  };
+  store_->after = repeat;
+  const auto first = Create(spec);
+  EXPECT_EQ(first->id(), second);
+  EXPECT_TRUE(first->View().cached);
+  EXPECT_EQ(first->Reports().size(), 3U);
+}
+
+TEST_F(JobManagerTest, CallThatComesFirstWithARequestIdDecides) {
+  Start(QuickSampler());
+  Finish(Create(Spec())->id());
+  for (const bool has_answer : {true, false}) {
+    JobSpec spec = Spec(has_answer ? 0 : 1);
+    spec.request_id = has_answer ? "answered" : "computed";
+    std::string overtaker;
+    store_->before = [&](std::string_view call) {
+      if (call != "AddJob" && call != "AddEndedJob") return absl::OkStatus();
+      store_->before = [](std::string_view) { return absl::OkStatus(); };
+      overtaker = Create(spec)->id();
+      return absl::OkStatus();
+    };
+    EXPECT_EQ(Create(spec)->id(), overtaker);
+  }
+  EXPECT_EQ(jobs_->List({}, 10, "")->records.size(), 3U);
+}
+
+TEST_F(JobManagerTest, FullDiskInTheMiddleOfACachedAnswerLeavesNothing) {
+  Start(QuickSampler());
+  Finish(Create(Spec())->id());
+  JobSpec spec = Spec();
+  spec.request_id = "once";
+  for (const std::string_view full : {"AddEndedJob", "AddJob", "EndJob"}) {
+    store_->before = [full](std::string_view call) {
+      return call == full ? MakeError(absl::StatusCode::kResourceExhausted,
+                                      ErrorReason::kStorageFull, "the disk is full")
+                          : absl::OkStatus();
+    };
+    const auto answered = jobs_->Create(spec);
+    store_->before = [](std::string_view) { return absl::OkStatus(); };
+    if (!answered.ok()) {
+      EXPECT_EQ(GetErrorReason(answered.status()), ErrorReason::kStorageFull);
+      EXPECT_EQ(jobs_->List({}, 10, "")->records.size(), 1U) << full;
+    }
+    EXPECT_EQ(Create(spec)->View().state, JobState::kSucceeded);
+  }
+  EXPECT_TRUE(store_->UnfinishedJobs()->empty());
+}
+
+TEST_F(JobManagerTest, RequestIdOfAnotherSpecIsRefused) {
+  Start(QuickSampler());
+  JobSpec first = Spec();
+  first.request_id = "once";
+  first.options.density.source = DensitySource::kTexture;
+  first.texture_sha256 = *PutWhole(store_->blobs(), "image");
+  const std::string id = Create(first)->id();
+  const auto change = [&](const std::function<void(JobSpec&)>& edit) {
+    JobSpec other = first;
+    edit(other);
+    return other;
+  };
+  const std::string other_mesh = *PutWhole(store_->blobs(), "other mesh");
+  for (const JobSpec& other : {
+           change([&](JobSpec& spec) { spec.mesh_sha256 = other_mesh; }),
+           change([&](JobSpec& spec) { spec.texture_sha256 = other_mesh; }),
+           change([](JobSpec& spec) { spec.origin = Eigen::Vector3d(1, 2, 3); }),
+           change([](JobSpec& spec) { ++spec.options.sample_count; }),
+           change([](JobSpec& spec) { ++spec.options.seed; }),
+           change([](JobSpec& spec) { spec.options.time_limit_seconds = 1.5; }),
+           change([](JobSpec& spec) { spec.options.density.exponent = 0.25; }),
+           change([](JobSpec& spec) { spec.options.crease_angle = 0.5; }),
+       }) {
+    const auto refused = jobs_->Create(other);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_EQ(GetErrorReason(refused.status()), ErrorReason::kRequestInvalid);
+    EXPECT_TRUE(absl::IsInvalidArgument(refused.status()));
+    EXPECT_NE(refused.status().message().find(id), std::string::npos);
+  }
+  // What is no part of what is asked for may differ.
+  JobSpec renamed = first;
+  renamed.display_name = "another name";
+  renamed.labels = {{"team", "b"}};
+  renamed.abandon_seconds = 1e6;
+  EXPECT_EQ(Create(renamed)->id(), id);
+  Start(QuickSampler());
+  EXPECT_EQ(Create(first)->id(), id);
+}
+
 TEST_F(JobManagerTest, OwnersSeeTheirOwnJobs) {
   Start(QuickSampler());
   JobSpec spec = Spec();
@@ -345,6 +373,29 @@ TEST_F(JobManagerTest, JobOverTheMemoryBudgetIsRefused) {
   const auto refused = jobs_->Create(Spec());
   EXPECT_TRUE(absl::IsInvalidArgument(refused.status()));
   EXPECT_EQ(GetErrorReason(refused.status()), ErrorReason::kLimitExceeded);
+  ASSERT_TRUE(GetPassedLimit(refused.status()).has_value());
+  EXPECT_EQ(GetPassedLimit(refused.status())->name, "max_job_memory_bytes");
+  EXPECT_EQ(GetPassedLimit(refused.status())->value, 1000);
+}
+
+TEST_F(JobManagerTest, WatcherOverTheirNumberIsRefusedWithTheLimit) {
+  JobManagerOptions options;
+  options.max_watchers_per_job = 1;
+  Start(QuickSampler(), options);
+  const auto job = Create(Spec());
+  const auto watch = [&] {
+    return jobs_->Watch(
+        *job, [] {}, 0);
+  };
+  const auto first = watch();
+  ASSERT_TRUE(first.ok());
+  const absl::Status refused = watch().status();
+  EXPECT_EQ(GetErrorReason(refused), ErrorReason::kQuotaExceeded);
+  ASSERT_TRUE(GetPassedLimit(refused).has_value());
+  EXPECT_EQ(GetPassedLimit(refused)->name, "max_watchers_per_job");
+  EXPECT_EQ(GetPassedLimit(refused)->value, 1);
+  EXPECT_EQ(GetPassedLimit(refused)->requested, 2);
+  jobs_->Unwatch(*job, *first);
 }
 
 TEST_F(JobManagerTest, MissingMeshIsRefused) {

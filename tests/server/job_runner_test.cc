@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "core/base/limit_error.h"
 #include "core/base/status.h"
 #include "tests/server/fakes.h"
 
@@ -116,6 +117,8 @@ TEST_F(BusyRunner, FullQueueRefusesUntilAPlaceIsFree) {
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(GetErrorReason(refused.status()), ErrorReason::kQueueFull);
+  ASSERT_TRUE(GetPassedLimit(refused.status()).has_value());
+  EXPECT_EQ(GetPassedLimit(refused.status())->name, "max_queued_jobs");
   runner_->Cancel(*waiting, StopCause::kCaller);
   EXPECT_TRUE(runner_->Reserve("b").ok());
   go_.Open();
@@ -132,7 +135,11 @@ TEST_F(BusyRunner, UnusedPlacesAreGivenBack) {
 TEST_F(BusyRunner, OneCallerCannotTakeAllPlaces) {
   Occupy(10, 2);
   for (int i = 0; i < 3; ++i) Add("greedy");
-  EXPECT_EQ(GetErrorReason(runner_->Reserve("greedy").status()), ErrorReason::kQuotaExceeded);
+  const absl::Status refused = runner_->Reserve("greedy").status();
+  EXPECT_EQ(GetErrorReason(refused), ErrorReason::kQuotaExceeded);
+  ASSERT_TRUE(GetPassedLimit(refused).has_value());
+  EXPECT_EQ(GetPassedLimit(refused)->name, "max_queued_jobs_per_caller");
+  EXPECT_EQ(GetPassedLimit(refused)->value, 2);
   EXPECT_TRUE(runner_->Reserve("other").ok());
   go_.Open();
 }
@@ -161,6 +168,76 @@ TEST_F(BusyRunner, DrainingFinishesCallersJobsAndPutsOthersBack) {
   EXPECT_EQ(first_->View().state, JobState::kSucceeded);
   EXPECT_EQ(callers->View().state, JobState::kSucceeded);
   EXPECT_EQ(jobs_.order().size(), 2U);
+}
+
+TEST_F(BusyRunner, HeldJobsCountAsWaitingAndRunOnceReleased) {
+  Occupy(3, 1);
+  const auto held = jobs_.Make("greedy");
+  runner_->Hold({.job = held, .memory_bytes = 1});
+  EXPECT_EQ(runner_->Load().queued, 1);
+  Add("greedy");
+  EXPECT_EQ(GetErrorReason(runner_->Reserve("greedy").status()), ErrorReason::kQuotaExceeded);
+  Add("other");
+  EXPECT_EQ(GetErrorReason(runner_->Reserve("third").status()), ErrorReason::kQueueFull);
+  go_.Open();
+  ASSERT_TRUE(runner_->WaitUntilIdle(absl::InfiniteDuration()));
+  EXPECT_EQ(held->View().state, JobState::kQueued);
+  runner_->Release(*held);
+  ASSERT_TRUE(runner_->WaitUntilIdle(absl::InfiniteDuration()));
+  EXPECT_EQ(held->View().state, JobState::kSucceeded);
+  runner_->Release(*held);
+  EXPECT_EQ(runner_->Load().queued, 0);
+}
+
+TEST_F(BusyRunner, HeldJobsAreCancelledAndPutBackAsThoseThatWait) {
+  Occupy(5);
+  const auto cancelled = jobs_.Make("a", false);
+  const auto drained = jobs_.Make("a", false);
+  const auto late = jobs_.Make("a", false);
+  const auto gone = jobs_.Make("a", false);
+  runner_->Hold({.job = cancelled, .memory_bytes = 1});
+  runner_->Hold({.job = drained, .memory_bytes = 1});
+  EXPECT_TRUE(runner_->Cancel(*cancelled, StopCause::kCaller));
+  EXPECT_EQ(cancelled->View().state, JobState::kCancelled);
+  ASSERT_TRUE(gone->Cancel(StopCause::kCaller));
+  runner_->Hold({.job = gone, .memory_bytes = 1});
+  EXPECT_EQ(runner_->Load().queued, 1);
+  runner_->StartDraining();
+  EXPECT_TRUE(IsPutBack(drained->spec(), drained->View()));
+  runner_->Hold({.job = late, .memory_bytes = 1});
+  EXPECT_TRUE(IsPutBack(late->spec(), late->View()));
+  EXPECT_EQ(runner_->Load().queued, 0);
+  go_.Open();
+}
+
+TEST(JobRunner, JobThatMustRunAloneDoes) {
+  std::atomic<int> now = 0;
+  std::atomic<int> beside = 0;
+  Jobs jobs;
+  JobRunner runner({.max_running_jobs = 3, .max_queued_jobs = 100},
+                   std::make_shared<MemoryBudget>(100),
+                   [&](const std::shared_ptr<Job>& job, std::shared_ptr<void>) {
+                     const bool alone = job->spec().share == "suspect";
+                     if (++now > 1 && alone) ++beside;
+                     for (int i = 0; i < 100; ++i) {
+                       std::this_thread::yield();
+                       if (alone && now > 1) ++beside;
+                     }
+                     --now;
+                     job->Publish(job->Seal(JobResult()));
+                   });
+  std::vector<std::shared_ptr<Job>> all;
+  for (int i = 0; i < 30; ++i) {
+    all.push_back(jobs.Make());
+    runner.Enqueue(*runner.Reserve("a"), all.back(), 1);
+    if (i % 5 != 0) continue;
+    all.push_back(jobs.Make("suspect"));
+    runner.Hold({.job = all.back(), .memory_bytes = 1, .alone = true});
+    runner.Release(*all.back());
+  }
+  ASSERT_TRUE(runner.WaitUntilIdle(absl::InfiniteDuration()));
+  EXPECT_EQ(beside, 0);
+  for (const auto& job : all) EXPECT_EQ(job->View().state, JobState::kSucceeded);
 }
 
 TEST_F(BusyRunner, StopAllEndsRunningAndWaitingJobs) {

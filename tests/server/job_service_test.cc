@@ -1,4 +1,5 @@
 // The life of a job over the wire.
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -70,6 +71,61 @@ TEST_F(JobService, EndedJobReplaysItsHistoryFromAnySequence) {
   v1::WatchJobResponse event;
   EXPECT_FALSE(refused->Read(&event));
   EXPECT_EQ(refused->Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(JobService, SequencesBeyondTheHistoryLeadToItsEnd) {
+  Start(QuickSampler(5));
+  v1::WatchJobRequest request;
+  request.set_name(mesh_job_);
+  for (const std::int64_t after :
+       {std::int64_t{5}, std::int64_t{6}, std::int64_t{7}, std::int64_t{1'000'000},
+        std::int64_t{1} << 62, std::numeric_limits<std::int64_t>::max()}) {
+    request.set_after_sequence(after);
+    const auto events = Watch(server_->sampling(), request);
+    EXPECT_TRUE(events.front().has_snapshot());
+    EXPECT_TRUE(ProgressOf(events).empty());
+    EXPECT_EQ(events.back().sequence(), 6) << after;
+    EXPECT_EQ(events.back().snapshot().state(), v1::Job::STATE_SUCCEEDED);
+  }
+}
+
+// A line of the log names a job when there is one, and nothing else that a caller sent.
+TEST_F(JobService, NamesOfNoJobStayOutOfTheLog) {
+  Start(QuickSampler());
+  using Jobs = v1::SamplingService::Stub;
+  const auto call_all = [&](const std::string& name) {
+    const auto unary = [&](auto method, auto request, auto response) {
+      request.set_name(name);
+      Call(method, request, response);
+    };
+    const auto stream = [&](auto method, auto request, auto response) {
+      request.set_name(name);
+      grpc::ClientContext context;
+      const auto reader = (server_->sampling().*method)(&context, request);
+      while (reader->Read(&response)) continue;
+      reader->Finish();
+    };
+    unary(&Jobs::GetJob, v1::GetJobRequest(), v1::GetJobResponse());
+    unary(&Jobs::CancelJob, v1::CancelJobRequest(), v1::CancelJobResponse());
+    unary(&Jobs::AnalyzeJob, v1::AnalyzeJobRequest(), v1::AnalyzeJobResponse());
+    stream(&Jobs::WatchJob, v1::WatchJobRequest(), v1::WatchJobResponse());
+    stream(&Jobs::ReadSamples, v1::ReadSamplesRequest(), v1::ReadSamplesResponse());
+    stream(&Jobs::ReadSampleMesh, v1::ReadSampleMeshRequest(), v1::ReadSampleMeshResponse());
+    unary(&Jobs::DeleteJob, v1::DeleteJobRequest(), v1::DeleteJobResponse());
+  };
+  for (const char* name : {"jobs/forged\n1970-01-01T00:00:00.000Z draining", "jobs/forged\x1b[2J",
+                           "jobs/../../forged", "forged", "meshes/forged"}) {
+    call_all(name);
+  }
+  call_all(mesh_job_);
+  (*server_)->Drain();  // Every call is done, and has its line.
+  int named = 0;
+  for (const std::string& line : server_->LogLines()) {
+    EXPECT_EQ(line.find("forged"), std::string::npos) << line;
+    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    named += line.find(mesh_job_) != std::string::npos;
+  }
+  EXPECT_EQ(named, 8);  // With the call that made it.
 }
 
 TEST_F(JobService, SamplesAreReadAgainFromAnyIndex) {

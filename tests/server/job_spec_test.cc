@@ -1,44 +1,78 @@
 #include "server/jobs/job_spec.h"
 
-#include <functional>
+#include <optional>
 #include <set>
 #include <string>
-#include <vector>
+#include <string_view>
+#include <type_traits>
 
 #include <gtest/gtest.h>
+
+#include "core/sampling/option_table.h"
 
 namespace ccst::server {
 namespace {
 
-// Changes of everything that can change the samples.
-std::vector<std::function<void(JobSpec&)>> Changes() {
-  return {
-      [](JobSpec& s) { s.mesh_sha256 = std::string("other"); },
-      [](JobSpec& s) { s.texture_sha256 = std::string("other"); },
-      [](JobSpec& s) { s.options.method = SamplingMethod::kLloyd; },
-      [](JobSpec& s) { s.options.sample_count = 11; },
-      [](JobSpec& s) { s.options.max_iterations = 7; },
-      [](JobSpec& s) { s.options.relative_tolerance = 0.125; },
-      [](JobSpec& s) { s.options.seed = 1; },
-      [](JobSpec& s) { s.options.energy = Energy::kSquaredArea; },
-      [](JobSpec& s) { s.options.crease_angle = 0.5; },
-      [](JobSpec& s) { s.options.weld_tolerance = 1e-9; },
-      [](JobSpec& s) { s.options.density.source = DensitySource::kCurvature; },
-      [](JobSpec& s) { s.options.density.attribute = std::string("mass"); },
-      [](JobSpec& s) { s.options.density.measure = CurvatureMeasure::kMean; },
-      [](JobSpec& s) { s.options.density.bright_is_dense = true; },
-      [](JobSpec& s) { s.options.density.exponent = 2.0; },
-      [](JobSpec& s) { s.options.density.max_contrast = 10.0; },
-  };
+// Each gives the field another value than it has.
+void Change(bool& field) { field = !field; }
+void Change(std::string& field) { field += 'x'; }
+template <typename Number>
+requires std::is_arithmetic_v<Number>
+void Change(Number& field) { field += 1; }
+template <typename Enum>
+requires std::is_enum_v<Enum>
+void Change(Enum& field) { field = static_cast<Enum>(static_cast<int>(field) + 1); }
+template <typename Field>
+void Change(std::optional<Field>& field) {
+  field = field.value_or(Field()) + 1;
 }
 
-TEST(SpecDigest, EveryChangeThatCountsGivesAnother) {
+TEST(SpecDigest, EveryOptionThatChangesSamplesGivesAnother) {
+  JobSpec spec;
+  const std::string unchanged = SpecDigest(spec);
+  std::set<std::string> digests = {unchanged};
+  VisitOptions(spec.options, [&](const auto& option, auto& field) {
+    // Of an image the digest counts, which is not among the options.
+    if constexpr (!std::is_same_v<std::remove_cvref_t<decltype(option)>, ImageOption>) {
+      const auto before = field;
+      Change(field);
+      const std::string digest = SpecDigest(spec);
+      if (option.info.changes_samples) {
+        EXPECT_TRUE(digests.insert(digest).second) << option.info.name;
+      } else {
+        EXPECT_EQ(digest, unchanged) << option.info.name;
+      }
+      field = before;
+    }
+  });
+  EXPECT_EQ(SpecDigest(spec), unchanged);
+  EXPECT_GE(digests.size(), 15U);
+}
+
+TEST(SpecDigest, OptionsThatDoNotChangeSamplesAreTheseAlone) {
+  std::set<std::string_view> names;
+  const SamplingOptions options;
+  VisitOptions(options, [&names](const auto& option, const auto& /*field*/) {
+    if (!option.info.changes_samples) names.insert(option.info.name);
+  });
+  EXPECT_EQ(names, (std::set<std::string_view>{"thread_count", "time_limit_seconds"}));
+}
+
+TEST(SpecDigest, MeshAndImageCount) {
   std::set<std::string> digests = {SpecDigest(JobSpec())};
-  for (const auto& change : Changes()) {
-    JobSpec spec;
-    change(spec);
-    EXPECT_TRUE(digests.insert(SpecDigest(spec)).second) << digests.size();
-  }
+  JobSpec spec;
+  spec.mesh_sha256 = std::string("other");
+  EXPECT_TRUE(digests.insert(SpecDigest(spec)).second);
+  spec = JobSpec();
+  spec.texture_sha256 = std::string("other");
+  EXPECT_TRUE(digests.insert(SpecDigest(spec)).second);
+}
+
+// An angle that is not given is not one of 0.
+TEST(SpecDigest, WhatIsNotGivenIsNotZero) {
+  JobSpec spec;
+  spec.options.crease_angle = 0.0;
+  EXPECT_NE(SpecDigest(spec), SpecDigest(JobSpec()));
 }
 
 TEST(SpecDigest, WhatDoesNotChangeTheSamplesDoesNotChangeIt) {
@@ -60,16 +94,6 @@ TEST(SpecDigest, NoFieldForgesAnother) {
   b.options.density.attribute = std::string("x");
   b.options.density.measure = CurvatureMeasure::kMean;
   EXPECT_NE(SpecDigest(a), SpecDigest(b));
-}
-
-TEST(EstimateMemory, GrowsWithEverythingThatTakesMemory) {
-  SamplingOptions options;
-  options.sample_count = 1000;
-  const std::int64_t base = EstimateMemory(100, 200, options);
-  EXPECT_GT(EstimateMemory(101, 200, options), base);
-  EXPECT_GT(EstimateMemory(100, 201, options), base);
-  options.sample_count = 1001;
-  EXPECT_GT(EstimateMemory(100, 200, options), base);
 }
 
 }  // namespace

@@ -12,18 +12,19 @@ using enum JobState;
 
 constexpr std::array kStates = {kQueued, kRunning, kCancelling, kSucceeded, kFailed, kCancelled};
 constexpr std::array kEvents = {JobEvent::kTaken,   JobEvent::kCancel, JobEvent::kFinished,
-                                JobEvent::kStopped, JobEvent::kFailed, JobEvent::kDrainEnds};
+                                JobEvent::kStopped, JobEvent::kFailed, JobEvent::kDrainEnds,
+                                JobEvent::kPutOff};
 
 TEST(JobState, EveryCellIsAsDesigned) {
   constexpr auto kNever = std::optional<JobState>();
   // Columns as in kEvents.
-  const std::array<std::array<std::optional<JobState>, 6>, 6> expected = {{
-      {{kRunning, kCancelled, kNever, kNever, kNever, kCancelled}},
-      {{kNever, kCancelling, kSucceeded, kNever, kFailed, kCancelling}},
-      {{kNever, kCancelling, kSucceeded, kCancelled, kFailed, kCancelling}},
-      {{kNever, kSucceeded, kNever, kNever, kNever, kSucceeded}},
-      {{kNever, kFailed, kNever, kNever, kNever, kFailed}},
-      {{kNever, kCancelled, kNever, kNever, kNever, kCancelled}},
+  const std::array<std::array<std::optional<JobState>, 7>, 6> expected = {{
+      {{kRunning, kCancelled, kNever, kNever, kNever, kCancelled, kNever}},
+      {{kNever, kCancelling, kSucceeded, kNever, kFailed, kCancelling, kQueued}},
+      {{kNever, kCancelling, kSucceeded, kCancelled, kFailed, kCancelling, kNever}},
+      {{kNever, kSucceeded, kNever, kNever, kNever, kSucceeded, kNever}},
+      {{kNever, kFailed, kNever, kNever, kNever, kFailed, kNever}},
+      {{kNever, kCancelled, kNever, kNever, kNever, kCancelled, kNever}},
   }};
   for (std::size_t s = 0; s < kStates.size(); ++s) {
     for (std::size_t e = 0; e < kEvents.size(); ++e) {

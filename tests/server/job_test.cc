@@ -218,5 +218,60 @@ TEST(Job, PreviewIsThinnedOutAndTheLatest) {
   EXPECT_FALSE(job->Report(3).has_value());
 }
 
+absl::Status FullDisk() {
+  return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kStorageFull, "full");
+}
+
+TEST(Job, PutOffWaitsAndStartsAnewAndSaysWhy) {
+  const RunDependencies dependencies = FakeDependencies(nullptr);
+  const auto job = NewJob(dependencies);
+  for (int count = 1; count <= 2; ++count) {
+    ASSERT_TRUE(job->Take());
+    EXPECT_TRUE(job->View().error.ok());
+    job->AddPhase(Phase::kRelaxing);
+    AlternationReport report;
+    report.alternation = 1;
+    job->AddReport(report);
+    if (count == 2) job->Seal(JobResult());
+    const std::int64_t before = job->Version();
+    EXPECT_EQ(job->PutOff(FullDisk()), count);
+    EXPECT_GT(job->Version(), before);
+    const JobView view = job->View();
+    EXPECT_EQ(view.state, JobState::kQueued);
+    EXPECT_EQ(view.error, FullDisk());
+    EXPECT_FALSE(view.start_time.has_value());
+    EXPECT_FALSE(view.last_report.has_value());
+    EXPECT_TRUE(job->Reports().empty());
+  }
+  ASSERT_TRUE(job->Take());
+  job->Publish(job->Seal(JobResult()));
+  EXPECT_EQ(job->View().state, JobState::kSucceeded);
+}
+
+TEST(Job, PutOffJobCanBeCancelled) {
+  const RunDependencies dependencies = FakeDependencies(nullptr);
+  const auto job = NewJob(dependencies);
+  ASSERT_TRUE(job->Take());
+  job->PutOff(FullDisk());
+  EXPECT_TRUE(job->Cancel(StopCause::kCaller));
+  EXPECT_EQ(job->View().state, JobState::kCancelled);
+  EXPECT_FALSE(job->Take());
+}
+
+TEST(Job, CancelAfterTheEndIsDecidedCountsWhereTheEndIsGivenUp) {
+  const RunDependencies dependencies = FakeDependencies(nullptr);
+  for (const StopCause cause : {StopCause::kCaller, StopCause::kAbandoned, StopCause::kDrain}) {
+    const auto job = NewJob(dependencies);
+    ASSERT_TRUE(job->Take());
+    EXPECT_EQ(job->Seal(JobResult()).state, JobState::kSucceeded);
+    EXPECT_FALSE(job->Cancel(cause));
+    EXPECT_EQ(job->PutOff(FullDisk()), 0);
+    job->Publish(job->Seal(absl::CancelledError("stopped")));
+    EXPECT_EQ(job->View().state, JobState::kCancelled);
+    EXPECT_EQ(job->View().stop_cause, cause);
+    EXPECT_EQ(IsPutBack(job->spec(), job->View()), cause == StopCause::kDrain);
+  }
+}
+
 }  // namespace
 }  // namespace ccst::server

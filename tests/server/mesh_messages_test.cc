@@ -51,7 +51,7 @@ TEST(MeshMessages, MeshSaysEverything) {
 }
 
 TEST(MeshMessages, DamagedFactsAreAFaultOfTheStorage) {
-  ExpectError(DecodeFacts("\xff\xff\xff").status(), absl::StatusCode::kInternal, "STORAGE_FAILED");
+  ExpectError(DecodeFacts("\xff\xff\xff").status(), absl::StatusCode::kDataLoss, "STORAGE_FAILED");
 }
 
 TEST(MeshMessages, PageSizeHasADefaultAndALimit) {

@@ -26,6 +26,7 @@ std::string TokenFile(const std::string& folder) {
     file << TokenLine(name, Scope::kFull, std::string(kTokenOf) + name) << '\n';
   }
   file << TokenLine("eve", Scope::kReadOnly, std::string(kTokenOf) + "eve") << '\n';
+  file << TokenLine("ann", Scope::kReadOnly, std::string(kTokenOf) + "ann-reads") << '\n';
   return path;
 }
 
@@ -59,10 +60,16 @@ void MeshServiceTest::StartServer() {
   // One thread each: what is posted first is done first.
   disk_.emplace(1, max_waiting_);
   decoding_.emplace(1, max_waiting_);
+  calls_.emplace(CallSupport{.authenticator = authenticator_,
+                             .peers = peers_,
+                             .log = log_,
+                             .metrics = metrics_,
+                             .clock = clock_});
+  stream_memory_.emplace(stream_limits_);
   service_.emplace(
       *meshes_, *disk_, *decoding_,
-      CallSupport{
-          .authenticator = authenticator_, .log = log_, .metrics = metrics_, .clock = clock_},
+      StreamSupport{
+          .calls = *calls_, .executor = *disk_, .open = streams_, .memory = *stream_memory_},
       options_);
   grpc::ServerBuilder builder;
   int port = 0;
@@ -187,6 +194,11 @@ v1::UploadMeshRequest ChunkMessage(std::int64_t offset, const std::string& data)
 
 std::string ReasonOf(const grpc::Status& status) {
   return DetailOf<v1::ErrorInfo>(status).value_or(v1::ErrorInfo()).reason();
+}
+
+void ExpectStatus(const grpc::Status& status, grpc::StatusCode code, const std::string& reason) {
+  EXPECT_EQ(status.error_code(), code) << status.error_message();
+  EXPECT_EQ(ReasonOf(status), reason) << status.error_message();
 }
 
 std::vector<std::string> WrongFields(const grpc::Status& status) {

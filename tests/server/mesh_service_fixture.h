@@ -28,7 +28,7 @@ struct Reply {
 };
 
 /// A real server on loopback with this service alone, over an embedded store. Callers are `ann`,
-/// `bob` and `eve`, who may only read.
+/// `bob` and `eve`, who may only read; `ann-reads` is ann with a token that may only read.
 class MeshServiceTest : public StoreTest {
  protected:
   MeshServiceTest();
@@ -37,6 +37,7 @@ class MeshServiceTest : public StoreTest {
   // Set before the first call, which starts the server.
   MeshStoreOptions store_options_;
   MeshServiceOptions options_;
+  StreamLimits stream_limits_;
   std::size_t max_waiting_ = 64;
   /// Whatever the bytes are, they decode to a cube.
   void AcceptAnyBytes();
@@ -72,6 +73,7 @@ class MeshServiceTest : public StoreTest {
   const Clock clock_;
   MeshDependencies dependencies_;
   Authenticator authenticator_;
+  Peers peers_;
   std::mutex mutex_;
   std::condition_variable logged_;
   std::vector<std::string> log_lines_;
@@ -79,6 +81,9 @@ class MeshServiceTest : public StoreTest {
   Metrics metrics_;
   BlobPins pins_;
   std::optional<MeshStore> meshes_;
+  std::optional<CallSupport> calls_;
+  OpenStreams streams_;
+  std::optional<StreamMemory> stream_memory_;
   std::optional<Executor> disk_;
   std::optional<Executor> decoding_;
   std::optional<MeshService> service_;
@@ -107,6 +112,8 @@ std::optional<T> DetailOf(const grpc::Status& status) {
   }
   return std::nullopt;
 }
+
+void ExpectStatus(const grpc::Status& status, grpc::StatusCode code, const std::string& reason);
 
 /// The fields that an error says are wrong.
 std::vector<std::string> WrongFields(const grpc::Status& status);

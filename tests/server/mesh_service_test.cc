@@ -1,9 +1,14 @@
+#include <filesystem>
+#include <fstream>
+#include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "proto/convert/field_limits.h"
 #include "tests/server/mesh_service_fixture.h"
 
 namespace ccst::server {
@@ -15,11 +20,6 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 using MeshServiceCalls = MeshServiceTest;
-
-void ExpectStatus(const grpc::Status& status, grpc::StatusCode code, const std::string& reason) {
-  EXPECT_EQ(status.error_code(), code) << status.error_message();
-  EXPECT_EQ(ReasonOf(status), reason) << status.error_message();
-}
 
 v1::CreateMeshRequest Whole(const std::string& bytes) {
   v1::CreateMeshRequest request;
@@ -36,6 +36,10 @@ class DownloadMesh : public MeshServiceTest {
     std::vector<std::size_t> sizes;
     std::string bytes;
   };
+
+  std::string BlobFile(const std::string& sha256) const {
+    return directory_ + "/blobs/" + sha256.substr(0, 2) + "/" + sha256;
+  }
 
   Download Get(const std::string& name, std::int64_t start, const std::string& caller = "ann") {
     v1::DownloadMeshRequest request;
@@ -77,9 +81,9 @@ TEST_F(MeshServiceCalls, CreatedMeshHasTheLimitOfInlineMeshes) {
 TEST_F(MeshServiceCalls, CreatedMeshHasTheQuota) {
   store_options_.max_stored_bytes = 99;
   const auto reply = Create(Whole(std::string(100, 'x')));
-  ExpectStatus(reply.status, grpc::StatusCode::RESOURCE_EXHAUSTED, "QUOTA_EXCEEDED");
+  ExpectStatus(reply.status, grpc::StatusCode::INVALID_ARGUMENT, "LIMIT_EXCEEDED");
   EXPECT_TRUE(DetailOf<v1::LimitViolation>(reply.status).has_value());
-  EXPECT_TRUE(DetailOf<v1::RetryAdvice>(reply.status).has_value());
+  EXPECT_FALSE(DetailOf<v1::RetryAdvice>(reply.status).has_value());
 }
 
 TEST_F(MeshServiceCalls, CreatedMeshOfOtherBytesIsRefusedAndNothingStays) {
@@ -168,6 +172,21 @@ TEST_F(MeshServiceCalls, MissingMeshesAreNamed) {
   ASSERT_THAT(response.missing_digests(), SizeIs(1));
   EXPECT_EQ(response.missing_digests(0).sha256(), Digest("other"));
   EXPECT_EQ(response.missing_digests(0).size_bytes(), 5);
+}
+
+TEST_F(MeshServiceCalls, AskingForMeshesKeepsThemUnlessTheTokenMayOnlyRead) {
+  const std::string bytes = SphereBytes();
+  ASSERT_TRUE(Upload(bytes).status.ok());
+  const auto expiry = [&] { return store_->GetMesh("ann", Digest(bytes))->value().expire_time; };
+  v1::FindMissingMeshesRequest request;
+  *request.add_digests() = HeaderOf(bytes).digest();
+  v1::FindMissingMeshesResponse response;
+  now_ = At(60);
+  ASSERT_TRUE(stub().FindMissingMeshes(As("ann-reads").get(), request, &response).ok());
+  EXPECT_THAT(response.missing_digests(), IsEmpty());
+  EXPECT_EQ(expiry(), At(0) + store_options_.retention);
+  ASSERT_TRUE(stub().FindMissingMeshes(As("ann").get(), request, &response).ok());
+  EXPECT_EQ(expiry(), At(60) + store_options_.retention);
 }
 
 TEST_F(MeshServiceCalls, WrongAndTooManyDigestsAreRefused) {
@@ -263,11 +282,169 @@ TEST_F(DownloadMesh, StartOutsideTheMeshIsRefused) {
   }
 }
 
+TEST_F(DownloadMesh, DamagedBytesEndWithDataLossFromWhicheverByte) {
+  options_.max_chunk_bytes = 4000;
+  const std::string bytes = SphereBytes();
+  const std::string name = Upload(bytes).response.mesh().name();
+  const std::string path = BlobFile(Digest(bytes));
+  for (const std::size_t at : {std::size_t{0}, bytes.size() / 2, bytes.size() - 1}) {
+    std::string damaged = bytes;
+    damaged[at] ^= 8;
+    std::ofstream(path, std::ios::binary) << damaged;
+    const auto size = static_cast<std::int64_t>(bytes.size());
+    for (const std::int64_t start : {std::int64_t{0}, std::int64_t{1}, size - 10, size}) {
+      const Download download = Get(name, start);
+      ExpectStatus(download.status, grpc::StatusCode::DATA_LOSS, "STORAGE_FAILED");
+      EXPECT_LT(download.bytes.size(), static_cast<std::size_t>(size - start) + 1);
+    }
+  }
+  for (const std::size_t size : {bytes.size() - 1, std::size_t{0}}) {
+    std::ofstream(path, std::ios::binary) << bytes.substr(0, size);
+    const Download download = Get(name, 0);
+    ExpectStatus(download.status, grpc::StatusCode::DATA_LOSS, "STORAGE_FAILED");
+    EXPECT_THAT(download.bytes, IsEmpty());
+  }
+  std::filesystem::remove(path);
+  ExpectStatus(Get(name, 0).status, grpc::StatusCode::DATA_LOSS, "STORAGE_FAILED");
+}
+
+TEST_F(DownloadMesh, UploadOfTheRightBytesHealsThem) {
+  const std::string bytes = SphereBytes();
+  const std::string name = Upload(bytes).response.mesh().name();
+  for (const std::string& damaged : {bytes.substr(0, 5000), std::string(), 'x' + bytes.substr(1)}) {
+    std::ofstream(BlobFile(Digest(bytes)), std::ios::binary) << damaged;
+    const auto reply = Upload(bytes);
+    ASSERT_TRUE(reply.status.ok()) << reply.status.error_message();
+    EXPECT_FALSE(reply.response.already_present());
+    EXPECT_EQ(Get(name, 0).bytes, bytes);
+  }
+  std::ofstream(BlobFile(Digest(bytes)), std::ios::binary) << "x";
+  EXPECT_FALSE(Create(Whole(bytes)).response.already_present());
+  EXPECT_EQ(Get(name, 0).bytes, bytes);
+}
+
 TEST_F(DownloadMesh, OnlyTheCallersOwnIsFound) {
   const std::string name = Upload(SphereBytes()).response.mesh().name();
   const Download download = Get(name, 0, "bob");
   ExpectStatus(download.status, grpc::StatusCode::NOT_FOUND, "NOT_FOUND");
   EXPECT_THAT(download.bytes, IsEmpty());
+}
+
+TEST_F(DownloadMesh, DownloadChangesNothing) {
+  const std::string bytes = SphereBytes();
+  const std::string name = Upload(bytes).response.mesh().name();
+  now_ = At(60);
+  ASSERT_TRUE(Get(name, 0, "ann").status.ok());
+  ASSERT_TRUE(Get(name, 0, "ann-reads").status.ok());
+  EXPECT_EQ(store_->GetMesh("ann", Digest(bytes))->value().expire_time,
+            At(0) + store_options_.retention);
+}
+
+// Descriptors of this process that are files below the store's folder.
+std::size_t OpenBlobs(const std::string& folder) {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;
+    const std::string target = std::filesystem::read_symlink(entry.path(), gone).string();
+    if (target.starts_with(folder) && target.find("/blobs/") != std::string::npos) ++count;
+  }
+  return count;
+}
+
+class SlowDownloads : public DownloadMesh {
+ protected:
+  struct Stream {
+    std::unique_ptr<grpc::ClientContext> context;
+    std::unique_ptr<grpc::ClientReader<v1::DownloadMeshResponse>> reader;
+  };
+
+  SlowDownloads() { AcceptAnyBytes(); }
+
+  // A mesh of more bytes than the connection takes from a reader who has stopped.
+  std::string UploadLarge() {
+    return Upload(std::string(std::size_t{8} << 20, 'x'), "ann", std::size_t{1} << 20)
+        .response.mesh()
+        .name();
+  }
+
+  // One that has read its first message and then reads no more; empty when it was refused.
+  std::optional<Stream> Begin(const std::string& name) {
+    Stream stream;
+    stream.context = As("ann");
+    v1::DownloadMeshRequest request;
+    request.set_name(name);
+    stream.reader = stub().DownloadMesh(stream.context.get(), request);
+    v1::DownloadMeshResponse message;
+    if (stream.reader->Read(&message)) return stream;
+    last_status_ = stream.reader->Finish();
+    return std::nullopt;
+  }
+
+  grpc::Status last_status_;
+};
+
+TEST_F(SlowDownloads, ReaderWhoWaitsHoldsNoDescriptor) {
+  const std::string name = UploadLarge();
+  std::vector<std::optional<Stream>> streams;
+  for (int i = 0; i < 20; ++i) streams.push_back(Begin(name));
+  // The blob is open only while a chunk of one of them is read, by the one thread of the disk.
+  EXPECT_LE(OpenBlobs(folder_.path()), 1u);
+  for (auto& stream : streams) {
+    ASSERT_TRUE(stream.has_value());
+    stream->context->TryCancel();
+    stream->reader->Finish();
+  }
+}
+
+TEST_F(SlowDownloads, MeshStaysReadableForWhoReadsItThoughItIsDeleted) {
+  const std::string name = UploadLarge();
+  auto stream = Begin(name);
+  ASSERT_TRUE(stream.has_value());
+  v1::DeleteMeshRequest request;
+  request.set_name(name);
+  v1::DeleteMeshResponse deleted;
+  ASSERT_TRUE(stub().DeleteMesh(As("ann").get(), request, &deleted).ok());
+  v1::DownloadMeshResponse message;
+  while (stream->reader->Read(&message)) {
+  }
+  EXPECT_TRUE(stream->reader->Finish().ok());
+  WaitForCalls(3);
+  EXPECT_EQ(FileCount(), 0u);
+}
+
+TEST_F(SlowDownloads, StreamsOverTheMemoryOfACallerAreRefusedUntilOthersEnd) {
+  // One caller has three quarters: room for two streams of 544 KiB.
+  stream_limits_.most_bytes = std::int64_t{2} << 20;
+  const std::string name = UploadLarge();
+  auto first = Begin(name);
+  auto second = Begin(name);
+  ASSERT_TRUE(first.has_value() && second.has_value());
+  EXPECT_FALSE(Begin(name).has_value());
+  ExpectStatus(last_status_, grpc::StatusCode::RESOURCE_EXHAUSTED, "QUOTA_EXCEEDED");
+  const auto violation = DetailOf<v1::LimitViolation>(last_status_);
+  ASSERT_TRUE(violation.has_value());
+  EXPECT_EQ(violation->limit(), "max_stream_bytes_per_caller");
+  EXPECT_EQ(violation->limit_value(), (std::int64_t{2} << 20) / 4 * 3);
+  EXPECT_GT(violation->requested_value(), violation->limit_value());
+  EXPECT_TRUE(DetailOf<v1::RetryAdvice>(last_status_).has_value());
+  first->context->TryCancel();
+  first->reader->Finish();
+  WaitForCalls(3);  // The upload, the refused one and the first.
+  EXPECT_TRUE(Begin(name).has_value());
+}
+
+TEST_F(SlowDownloads, ReaderWhoTakesNoMessageForTooLongIsEnded) {
+  stream_limits_.longest_write_seconds = 0.2;
+  const std::string name = UploadLarge();
+  const auto stream = Begin(name);
+  ASSERT_TRUE(stream.has_value());
+  WaitForCalls(2);  // Nobody reads or cancels.
+  EXPECT_THAT(LogLines().back(),
+              testing::AllOf(testing::HasSubstr("DownloadMesh"), testing::HasSubstr("CANCELLED")));
+  v1::DownloadMeshResponse message;
+  while (stream->reader->Read(&message)) {
+  }
+  EXPECT_EQ(stream->reader->Finish().error_code(), grpc::StatusCode::CANCELLED);
 }
 
 TEST_F(DownloadMesh, FullExecutorRefuses) {

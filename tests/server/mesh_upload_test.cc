@@ -20,11 +20,6 @@ using testing::HasSubstr;
 
 using UploadMesh = MeshServiceTest;
 
-void ExpectStatus(const grpc::Status& status, grpc::StatusCode code, const std::string& reason) {
-  EXPECT_EQ(status.error_code(), code) << status.error_message();
-  EXPECT_EQ(ReasonOf(status), reason) << status.error_message();
-}
-
 // Of this process.
 std::int64_t ResidentBytes() {
   long pages = 0;
@@ -106,16 +101,34 @@ TEST_F(UploadMesh, MeshOverTheLimitIsRefusedOnTheHeader) {
   EXPECT_EQ(violation->requested_value(), 100);
 }
 
-TEST_F(UploadMesh, MeshOverTheQuotaIsRefusedOnTheHeader) {
+TEST_F(UploadMesh, MeshThatFitsBesideNothingInUseIsRefusedOnTheHeader) {
+  AcceptAnyBytes();
   store_options_.max_stored_bytes = 99;
-  const auto reply = Send({HeaderMessage(std::string(100, 'x'))}, false);
+  const std::string held(50, 'h');
+  ASSERT_TRUE(Upload(held).status.ok());
+  JobRecord job = SomeJob("a");
+  job.mesh_sha256 = Digest(held);
+  ASSERT_TRUE(store_->AddJob(job).ok());
+  const auto reply = Send({HeaderMessage(std::string(60, 'x'))}, false);
   ExpectStatus(reply.status, grpc::StatusCode::RESOURCE_EXHAUSTED, "QUOTA_EXCEEDED");
   const auto violation = DetailOf<v1::LimitViolation>(reply.status);
   ASSERT_TRUE(violation.has_value());
   EXPECT_EQ(violation->limit(), "max_stored_mesh_bytes");
   EXPECT_EQ(violation->limit_value(), 99);
-  EXPECT_EQ(violation->requested_value(), 100);
+  EXPECT_EQ(violation->requested_value(), 60);
   EXPECT_TRUE(DetailOf<v1::RetryAdvice>(reply.status).has_value());
+}
+
+TEST_F(UploadMesh, MeshThatNeverFitsTheQuotaIsNotToldToComeAgain) {
+  store_options_.max_stored_bytes = 99;
+  const auto reply = Send({HeaderMessage(std::string(100, 'x'))}, false);
+  ExpectStatus(reply.status, grpc::StatusCode::INVALID_ARGUMENT, "LIMIT_EXCEEDED");
+  const auto violation = DetailOf<v1::LimitViolation>(reply.status);
+  ASSERT_TRUE(violation.has_value());
+  EXPECT_EQ(violation->limit(), "max_stored_mesh_bytes");
+  EXPECT_EQ(violation->limit_value(), 99);
+  EXPECT_EQ(violation->requested_value(), 100);
+  EXPECT_FALSE(DetailOf<v1::RetryAdvice>(reply.status).has_value());
 }
 
 TEST_F(UploadMesh, HeldMeshIsAnsweredOnTheHeader) {
@@ -239,6 +252,9 @@ TEST_F(UploadMesh, UploadsOverTheirNumberOfACallerAreRefused) {
   const auto reply = Upload(SphereBytes());
   ExpectStatus(reply.status, grpc::StatusCode::RESOURCE_EXHAUSTED, "QUOTA_EXCEEDED");
   EXPECT_TRUE(DetailOf<v1::RetryAdvice>(reply.status).has_value());
+  const auto violation = DetailOf<v1::LimitViolation>(reply.status);
+  ASSERT_TRUE(violation.has_value());
+  EXPECT_EQ(violation->limit(), "max_uploads_per_caller");
 }
 
 TEST(UploadSlots, OneCallerDoesNotGetAll) {

@@ -1,8 +1,10 @@
 #include "server/metrics/metrics.h"
 
+#include <chrono>
 #include <map>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -10,13 +12,14 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "server/base/lost_log_lines.h"
 #include "tests/server/test_server.h"
 
 namespace ccst::server {
 namespace {
 
-// What a web server at 127.0.0.1:PORT answers to GET `path`, with its headers.
-std::string Get(const std::string& address, const std::string& path) {
+// A connection to 127.0.0.1:PORT on which `text` was sent.
+int Send(const std::string& address, const std::string& text) {
   sockaddr_in where = {};
   where.sin_family = AF_INET;
   where.sin_port =
@@ -24,8 +27,13 @@ std::string Get(const std::string& address, const std::string& path) {
   where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   const int socket_fd = socket(AF_INET, SOCK_STREAM, 0);
   EXPECT_EQ(connect(socket_fd, reinterpret_cast<const sockaddr*>(&where), sizeof where), 0);
-  const std::string request = "GET " + path + " HTTP/1.0\r\n\r\n";
-  EXPECT_EQ(write(socket_fd, request.data(), request.size()), static_cast<ssize_t>(request.size()));
+  EXPECT_EQ(write(socket_fd, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  return socket_fd;
+}
+
+// What a web server at 127.0.0.1:PORT answers to GET `path`, with its headers.
+std::string Get(const std::string& address, const std::string& path) {
+  const int socket_fd = Send(address, "GET " + path + " HTTP/1.0\r\n\r\n");
   std::string answer;
   char buffer[4096];
   for (ssize_t n = 0; (n = read(socket_fd, buffer, sizeof buffer)) > 0;) {
@@ -84,7 +92,11 @@ TEST(Metrics, GaugesAreReadWithEveryScrape) {
                      .running_jobs = 2,
                      .watchers = 3,
                      .memory_bytes = 4,
-                     .memory_limit_bytes = 5};
+                     .memory_limit_bytes = 5,
+                     .data_bytes = 6,
+                     .data_limit_bytes = 7,
+                     .record_bytes = 8,
+                     .record_limit_bytes = 9};
   metrics.SetLoadReader([&load] { return load; });
   auto samples = Scrape(address);
   EXPECT_EQ(samples["ccst_jobs_queued"], 1);
@@ -92,10 +104,41 @@ TEST(Metrics, GaugesAreReadWithEveryScrape) {
   EXPECT_EQ(samples["ccst_watchers"], 3);
   EXPECT_EQ(samples["ccst_memory_bytes"], 4);
   EXPECT_EQ(samples["ccst_memory_limit_bytes"], 5);
+  EXPECT_EQ(samples["ccst_data_bytes"], 6);
+  EXPECT_EQ(samples["ccst_data_limit_bytes"], 7);
+  EXPECT_EQ(samples["ccst_record_bytes"], 8);
+  EXPECT_EQ(samples["ccst_record_limit_bytes"], 9);
   load.queued_jobs = 9;
   EXPECT_EQ(Scrape(address)["ccst_jobs_queued"], 9);
   metrics.SetLoadReader({});
   EXPECT_EQ(Scrape(address).count("ccst_jobs_queued"), 0U);
+}
+
+// As many as a scraper with a bad network has, and then some that mean harm: the page answers
+// within what Prometheus waits, ten seconds.
+TEST(Metrics, HalfRequestsDoNotBlockThePage) {
+  for (const int count : {2, 40}) {
+    Metrics metrics;
+    const std::string address = *metrics.Serve("127.0.0.1:0");
+    std::vector<int> halves;
+    for (int i = 0; i < count; ++i) {
+      halves.push_back(Send(address, "GET /metrics HTTP/1.1\r\nHost: x\r\nX-a: "));
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_NE(Get(address, "/metrics").find("200 OK"), std::string::npos);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10)) << count;
+    for (const int half : halves) close(half);
+  }
+}
+
+TEST(Metrics, LostLinesOfTheLogAreCounted) {
+  Metrics metrics;
+  const std::string address = *metrics.Serve("127.0.0.1:0");
+  metrics.SetLoadReader([] { return LoadSample(); });
+  EXPECT_EQ(Scrape(address)["ccst_log_lines_lost_total"], 0);
+  lost_log_lines = 7;
+  EXPECT_EQ(Scrape(address)["ccst_log_lines_lost_total"], 7);
+  lost_log_lines = 0;
 }
 
 TEST(Metrics, TakenAddressIsAnError) {

@@ -49,5 +49,33 @@ TEST(ServerLogFormat, JsonIsOneObject) {
   EXPECT_EQ(json["trace_id"], record.trace_id);
 }
 
+TEST(ServerLogFormat, TextsOfOthersStayOnTheirLine) {
+  const std::string hostile =
+      "x\n1970-01-01T00:00:00.000Z draining\x1b[2J\xc2\x9b"
+      "m\xff\xe2\x80\xae";
+  RequestRecord record = Record();
+  record.job = record.owner = record.reason = record.method = hostile;
+  for (const LogFormat format : {LogFormat::kText, LogFormat::kJson}) {
+    std::string lines = LineOf(format, record) + "|";
+    ServerLog log(
+        format, [] { return absl::UnixEpoch(); }, [&](const std::string& line) { lines += line; });
+    log.Message(hostile);
+    for (const char* obeyed : {"\n", "\x1b", "\xc2\x9b", "\xff", "\xe2\x80\xae"}) {
+      EXPECT_EQ(lines.find(obeyed), std::string::npos) << lines;
+    }
+    EXPECT_NE(lines.find("draining\\u001b[2J\\u009bm"), std::string::npos) << lines;
+  }
+}
+
+TEST(ServerLogFormat, MessagesHaveALength) {
+  for (const LogFormat format : {LogFormat::kText, LogFormat::kJson}) {
+    std::string line;
+    ServerLog log(
+        format, [] { return absl::UnixEpoch(); }, [&](const std::string& text) { line = text; });
+    log.Message(std::string(1 << 20, 'x'));
+    EXPECT_LT(line.size(), 5000U);
+  }
+}
+
 }  // namespace
 }  // namespace ccst::server

@@ -21,6 +21,17 @@ TEST(ServerOptions, WrongValuesNameTheirFlag) {
     return std::string(status.message());
   };
   EXPECT_EQ(message([](auto& o) { o.listen = "nowhere"; }).rfind("--listen ", 0), 0U);
+  EXPECT_EQ(message([](auto& o) { o.listen = "127.0.0.1:99999"; }).rfind("--listen must be ", 0),
+            0U);
+  EXPECT_EQ(message([](auto& o) {
+              o.metrics_listen = "127.0.0.1:0,127.0.0.2:0";
+            }).rfind("--metrics-listen must be ", 0),
+            0U);
+  EXPECT_EQ(message([](auto& o) { o.metrics_listen = "0.0.0.0:0"; }).find("--metrics-insecure") !=
+                std::string::npos,
+            true);
+  EXPECT_EQ(message([](auto& o) { o.security.health_cert = "cert"; }).rfind("--health-cert ", 0),
+            0U);
   EXPECT_EQ(message([](auto& o) { o.threads_per_job = 0; }).rfind("--threads ", 0), 0U);
   EXPECT_EQ(message([](auto& o) { o.runner.max_running_jobs = 0; }).rfind("--max-running-jobs ", 0),
             0U);
@@ -32,6 +43,22 @@ TEST(ServerOptions, WrongValuesNameTheirFlag) {
               o.request_limits.max_inline_mesh_bytes = std::int64_t{2} << 30;
             }).rfind("--max-inline-mesh-bytes ", 0),
             0U);
+}
+
+TEST(ServerOptions, OpenMetricsHaveAnAcceptanceOfTheirOwn) {
+  ServerOptions options;
+  options.metrics_listen = "0.0.0.0:0";
+  options.security.metrics_insecure = true;
+  EXPECT_TRUE(options.Validate().ok()) << options.Validate();
+  // Which is none for the calls.
+  options.listen = "0.0.0.0:0";
+  EXPECT_FALSE(options.Validate().ok());
+  options.security.insecure = true;
+  EXPECT_FALSE(options.Validate().ok());  // The missing proxy has to be accepted as well.
+  options.security.without_proxy = true;
+  EXPECT_TRUE(options.Validate().ok());
+  options.security.metrics_insecure = false;
+  EXPECT_TRUE(options.Validate().ok());
 }
 
 TEST(ServerOptions, RunningTimesThreadsFitsTheCores) {

@@ -45,13 +45,13 @@ TEST(SampleStream, EventsComeInTheirOrder) {
         break;
       case Event::kSamples:
         EXPECT_EQ(event.samples().start_index(), samples);
-        EXPECT_LE(event.samples().face_indices_size(), 16384);
+        EXPECT_LE(event.samples().face_indices_size(), 4096);
         EXPECT_EQ(triangles, 0) << "samples after triangles";
         samples += event.samples().face_indices_size();
         break;
       case Event::kSampleMesh:
         EXPECT_EQ(event.sample_mesh().start_index(), triangles);
-        EXPECT_LE(event.sample_mesh().vertex_indices_size(), 3 * 16384);
+        EXPECT_LE(event.sample_mesh().vertex_indices_size(), 3 * 4096);
         EXPECT_EQ(samples, kCount) << "triangles before the last sample";
         triangles += event.sample_mesh().vertex_indices_size() / 3;
         break;

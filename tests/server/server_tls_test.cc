@@ -26,24 +26,49 @@ class ServerTlsTest : public testing::Test {
     server_ = std::make_unique<TestServer>(QuickSampler(), options);
   }
 
-  // One call over a connection of its own that trusts `ca` and shows `own`.
-  grpc::Status Info(const std::string& ca, const TestCertificate& own = {}) {
+  // A connection of its own that trusts `ca` and shows `own`.
+  std::shared_ptr<grpc::Channel> Connect(const std::string& ca, const TestCertificate& own) {
     grpc::SslCredentialsOptions options;
     options.pem_root_certs = ca;
     options.pem_cert_chain = own.certificate;
     options.pem_private_key = own.key;
-    return Info(grpc::SslCredentials(options));
+    return Connect(grpc::SslCredentials(options));
   }
-  grpc::Status Info(const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
+  std::shared_ptr<grpc::Channel> Connect(
+      const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-    const auto stub = v1::ServerInfoService::NewStub(
-        grpc::CreateCustomChannel((*server_)->address(), credentials, arguments));
+    return grpc::CreateCustomChannel((*server_)->address(), credentials, arguments);
+  }
+
+  // One call over such a connection.
+  grpc::Status Info(const std::string& ca, const TestCertificate& own = {}) {
+    return Info(Connect(ca, own));
+  }
+  grpc::Status Info(const std::shared_ptr<grpc::Channel>& channel) {
+    const auto stub = v1::ServerInfoService::NewStub(channel);
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));
     v1::GetServerInfoResponse response;
     return stub->GetServerInfo(&context, {}, &response);
   }
+
+  // A job of the holder of these names; empty when it was refused.
+  std::string MakeJob(const TestNames& names) {
+    const auto channel = Connect(authority_.certificate, MakeCertificateOf(authority_, names));
+    const Answer answer = Sample(*v1::SamplingService::NewStub(channel), Request());
+    EXPECT_TRUE(answer.status.ok()) << answer.status.error_message();
+    return answer.events.empty() ? "" : answer.events.front().snapshot().name();
+  }
+  grpc::Status SeesJob(const TestNames& names, const std::string& job) {
+    const auto channel = Connect(authority_.certificate, MakeCertificateOf(authority_, names));
+    v1::GetJobRequest request;
+    request.set_name(job);
+    v1::GetJobResponse response;
+    grpc::ClientContext context;
+    return v1::SamplingService::NewStub(channel)->GetJob(&context, request, &response);
+  }
+
   bool LogHas(const std::string& text) {
     for (const std::string& line : server_->LogLines()) {
       if (line.find(text) != std::string::npos) return true;
@@ -67,7 +92,8 @@ TEST_F(ServerTlsTest, CallerThatTrustsTheAuthorityGetsThrough) {
 TEST_F(ServerTlsTest, CallerThatTrustsAnotherOrSpeaksPlaintextDoesNot) {
   Start();
   EXPECT_EQ(Info(other_authority_.certificate).error_code(), grpc::StatusCode::UNAVAILABLE);
-  EXPECT_EQ(Info(grpc::InsecureChannelCredentials()).error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(Info(Connect(grpc::InsecureChannelCredentials())).error_code(),
+            grpc::StatusCode::UNAVAILABLE);
 }
 
 TEST_F(ServerTlsTest, ClientNeedsACertificateOfTheAuthority) {
@@ -75,10 +101,33 @@ TEST_F(ServerTlsTest, ClientNeedsACertificateOfTheAuthority) {
   const grpc::Status status = Info(authority_.certificate, MakeCertificate(authority_, "client-1"));
   EXPECT_TRUE(status.ok()) << status.error_message();
   EXPECT_TRUE(LogHas(" GetServerInfo OK "));
-  EXPECT_TRUE(LogHas(" owner=client-1 "));
+  EXPECT_TRUE(LogHas(" owner=client-1#"));
   EXPECT_EQ(Info(authority_.certificate).error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_EQ(Info(authority_.certificate, MakeCertificate(other_authority_, "x")).error_code(),
             grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST_F(ServerTlsTest, HoldersWhoseNamesDifferSeeNothingOfEachOther) {
+  Start(true);
+  const TestNames owner = {.subject = {{.type = "CN", .value = "Zo\u00eb"}},
+                           .alternatives = "DNS:shared,DNS:one"};
+  const TestNames other_letter = {.subject = {{.type = "CN", .value = "Zo\u00e9"}},
+                                  .alternatives = "DNS:shared,DNS:one"};
+  const TestNames other_alternative = {.subject = {{.type = "CN", .value = "Zo\u00eb"}},
+                                       .alternatives = "DNS:shared,DNS:two"};
+  const std::string job = MakeJob(owner);
+  EXPECT_TRUE(SeesJob(owner, job).ok());  // With another key.
+  for (const TestNames& stranger : {other_letter, other_alternative}) {
+    EXPECT_EQ(SeesJob(stranger, job).error_code(), grpc::StatusCode::NOT_FOUND);
+  }
+}
+
+TEST_F(ServerTlsTest, CertificateThatNamesNobodyIsRefused) {
+  Start(true);
+  const grpc::Status status = Info(authority_.certificate, MakeCertificateOf(authority_, {}));
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAUTHENTICATED);
+  EXPECT_NE(status.error_message().find("names nobody"), std::string::npos)
+      << status.error_message();
 }
 
 TEST_F(ServerTlsTest, ChangedCertificateCountsWithTheNextConnection) {

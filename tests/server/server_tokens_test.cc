@@ -124,6 +124,7 @@ TEST(Reflection, IsForOtherMachinesOnlyWhenAskedFor) {
   ServerOptions options;
   options.listen = "0.0.0.0:0";
   options.security.insecure = true;
+  options.security.without_proxy = true;
   {
     TestServer server(QuickSampler(), options);
     EXPECT_EQ(AskReflection(server), grpc::StatusCode::UNIMPLEMENTED);

@@ -177,12 +177,15 @@ def damaged(folder, report):
                 for name in names if name in mesh)
     overwrite(blob, 100, b"\xff" * 64)
     with Server(data) as server, Client(server.address) as client:
-        job = client.wait(client.create(spec(mesh, 20, 99)).name)
-        report.check(job.state == job_pb2.Job.STATE_FAILED and bool(job.error.message),
-                     f"a job on a damaged mesh fails and says why: {job.error.message}")
+        try:
+            client.create(spec(mesh, 20, 99))
+            report.check(False, "a job on a damaged mesh is refused")
+        except grpc.RpcError as error:
+            report.check(reason(error) == "MESH_MISSING" and "damaged" in error.details(),
+                         f"a job on a damaged mesh is refused and says why: {error.details()}")
         report.check(len(list(client.call(client.jobs.ListJobs, sampling_service_pb2.
-                                          ListJobsRequest(page_size=100)).jobs)) == 51,
-                     "the other jobs are there")
+                                          ListJobsRequest(page_size=100)).jobs)) == 50,
+                     "the jobs that have ended are there")
         server.stop()
     records = data + "/records.sqlite"
     for offset in range(4096, os.path.getsize(records) - 4096, 4096):

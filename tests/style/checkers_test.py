@@ -50,6 +50,31 @@ class CheckIncludes(unittest.TestCase):
         self.refuses("server/jobs/a.cc", '#include "server/rpc/x.h"', "server/jobs must not include server/rpc")
         self.refuses("server/rpc/a.cc", '#include "server/app/x.h"', "server/rpc must not include server/app")
 
+    def test_rooms_show_some_headers_only(self):
+        inner = "core/sampling/relax/ring.h"
+        self.refuses("server/jobs/a.cc", f'#include "{inner}"', f"core/sampling/relax keeps {inner} to itself")
+        self.refuses("core/sampling/a.cc", f'#include "{inner}"', f"core/sampling/relax keeps {inner} to itself")
+        self.accepts("core/sampling/relax/a.cc", f'#include "{inner}"')
+        # For the house, not for others.
+        plan = "core/sampling/start/plan.h"
+        self.accepts("core/sampling/relax/a.cc", f'#include "{plan}"')
+        self.refuses("client/cli/a.cc", f'#include "{plan}"', f"core/sampling/start keeps {plan} to itself")
+        self.accepts("client/cli/a.cc", '#include "core/sampling/sampling.h"', '#include "core/sampling/options.h"')
+        self.accepts("tests/core/a.cc", f'#include "{inner}"')
+
+    def test_rooms_of_the_sampler_stand_in_order(self):
+        self.accepts("core/sampling/relax/a.h", '#include "core/sampling/options.h"')
+        self.refuses("core/sampling/relax/a.h", '#include "core/sampling/sampling.h"',
+                     "core/sampling/relax must not include core/sampling")
+        self.refuses("core/sampling/options.h", '#include "core/sampling/sampling.h"',
+                     "core/sampling/types must not include core/sampling")
+        self.refuses("core/sampling/start/a.h", '#include "core/sampling/relax/relaxation.h"',
+                     "core/sampling/start must not include core/sampling/relax")
+        self.refuses("core/sampling/input/a.h", '#include "core/sampling/mesh/samples.h"',
+                     "core/sampling/input must not include core/sampling/mesh")
+        self.refuses("core/sampling/start/a.h", '#include "core/methods/methods.h"',
+                     "core/sampling/start must not include core/methods")
+
     def test_client_and_server_stay_apart(self):
         self.refuses("client/lib/a.cc", '#include "server/jobs/x.h"', "client/lib must not include server/jobs")
         self.refuses("client/lib/a.cc", '#include "core/io/obj.h"', "client/lib must not include core/io")
@@ -87,6 +112,12 @@ class CheckIncludes(unittest.TestCase):
         self.refuses("core/sampling/a.cc", "std::mt19937 engine;", "'std::mt19937' in core/sampling")
         self.accepts("core/sampling/a.cc", "// not std::mt19937", 'const char* s = "throw x";')
 
+    def test_mathematics_of_the_c_library_are_refused_where_samples_depend_on_them(self):
+        for name in ("sin", "atan2", "pow", "log2", "exp", "hypot"):
+            self.refuses("core/sampling/start/a.cc", f"x = std::{name}(y);", f"'std::{name}(' in core/sampling/start")
+        self.accepts("core/sampling/a.cc", "x = std::sqrt(y) + std::ldexp(1.0, 3) + PortableSin(x);")
+        self.accepts("core/analysis/a.cc", "x = std::exp(y);")
+
     def test_an_empty_tree_is_an_error(self):
         self.assertEqual(run("check_includes", {"README.md": "x\n"})[0], 1)
 
@@ -118,7 +149,7 @@ class CheckTree(unittest.TestCase):
         for path in ("/" + "work/x", "/" + "root/.cache", "/" + "home/jo/x"):
             self.refuses({"core/a.md": f"see {path}\n"}, "names a path of one machine")
         self.refuses({"a.json": "https://registry.npm" + "js.org/\n"}, "names a package host")
-        self.assertEqual(run("check_tree", {"core/a.md": "server/work/queue and ~/work/x\n"})[0], 0)
+        self.assertEqual(run("check_tree", {"core/a.md": "server/" + "work/queue and ~/" + "work/x\n"})[0], 0)
 
     def test_blanks_at_the_end_are_refused(self):
         self.refuses({"core/a.h": "int a; \n"}, "core/a.h:1: blanks")

@@ -3,7 +3,6 @@ import {
   type DescMethod,
   type DescMethodStreaming,
   type DescMethodUnary,
-  type DescService,
   type Message,
 } from '@bufbuild/protobuf';
 import { EmptySchema } from '@bufbuild/protobuf/wkt';
@@ -12,9 +11,10 @@ import {
   ConnectError,
   type ConnectRouter,
   type HandlerContext,
-  type ServiceImpl,
+  type MethodImpl,
   type Transport,
 } from '@connectrpc/connect';
+import { readLimit } from './limits';
 
 // What callers may say to the server beside the message. Nothing else passes.
 const FORWARDED_HEADERS = ['authorization', 'traceparent', 'tracestate'];
@@ -114,14 +114,15 @@ function handler(transport: Transport, method: DescMethod): unknown {
 }
 
 /**
- * Routes that hand every method of `services` to the server behind `transport`, with the caller's
- * token, deadline and cancellation, and its answers and errors back.
+ * Routes that hand each of `methods` to the server behind `transport`, with the caller's token,
+ * deadline and cancellation, and its answers and errors back. No message of a caller may have more
+ * than readLimit().
  */
-export function forwardTo(transport: Transport, services: DescService[]) {
+export function forwardTo(transport: Transport, methods: DescMethod[], maxMessageBytes: number) {
   return (router: ConnectRouter): void => {
-    for (const service of services) {
-      const methods = service.methods.map((m) => [m.localName, handler(transport, m)]);
-      router.service(service, Object.fromEntries(methods) as Partial<ServiceImpl<DescService>>);
+    for (const method of methods) {
+      const readMaxBytes = readLimit(method, maxMessageBytes);
+      router.rpc(method, handler(transport, method) as MethodImpl<DescMethod>, { readMaxBytes });
     }
   };
 }

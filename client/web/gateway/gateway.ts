@@ -7,13 +7,17 @@ import { MeshService } from '@api/mesh_service_pb';
 import { SamplingService } from '@api/sampling_service_pb';
 import { ServerInfoService } from '@api/server_info_service_pb';
 import { Health, HealthCheckResponse_ServingStatus } from '@health/health_pb';
+import { Admission } from './admission';
 import { forwardTo } from './forward';
 import { hostAllowed, type GatewayOptions } from './options';
 import { PageFiles, SECURITY_HEADERS, sendText, type Request, type Response } from './page_files';
 
-// The largest message either way: a mesh in one request, as far as any server's limit may go.
-const MAX_MESSAGE_BYTES = 512 * 1024 * 1024;
+// The largest message of a server, which sends at most 4 MiB.
+const MAX_ANSWER_BYTES = 8 * 1024 * 1024;
 const HEALTH_TIMEOUT_MS = 3000;
+// Streams are calls too: each page has one for every job that it follows.
+const MAX_CONNECTIONS = 2048;
+const MAX_STREAMS_PER_CONNECTION = 128;
 
 async function reportHealth(transport: Transport, response: Response): Promise<void> {
   try {
@@ -46,15 +50,19 @@ export interface Gateway {
 export async function startGateway(options: GatewayOptions): Promise<Gateway> {
   const transport = createGrpcTransport({
     baseUrl: options.server,
-    readMaxBytes: MAX_MESSAGE_BYTES,
+    readMaxBytes: MAX_ANSWER_BYTES,
+    acceptCompression: [],
     ...(options.serverCa === undefined ? {} : { nodeOptions: { ca: options.serverCa } }),
   });
   const page = new PageFiles(options.page);
+  const methods = [SamplingService, MeshService, ServerInfoService].flatMap((s) => s.methods);
   const serve = connectNodeAdapter({
-    routes: forwardTo(transport, [SamplingService, MeshService, ServerInfoService]),
-    readMaxBytes: MAX_MESSAGE_BYTES,
+    routes: forwardTo(transport, methods, options.maxMessageBytes),
+    // A few bytes of gzip are hundreds of megabytes when they are read.
+    acceptCompression: [],
     fallback: (request, response) => page.serve(request, response),
   });
+  const admission = new Admission(methods, transport, options);
 
   function handle(request: Request, response: Response): void {
     for (const [name, value] of Object.entries(SECURITY_HEADERS)) response.setHeader(name, value);
@@ -67,13 +75,21 @@ export async function startGateway(options: GatewayOptions): Promise<Gateway> {
     } else if (request.url === '/healthz') {
       void reportHealth(transport, response);
     } else {
-      serve(request, response);
+      admission.admit(request, response, () => serve(request, response));
     }
   }
 
   const server = options.tls
-    ? http2.createSecureServer({ ...options.tls, allowHTTP1: true }, handle)
+    ? http2.createSecureServer(
+        {
+          ...options.tls,
+          allowHTTP1: true,
+          settings: { maxConcurrentStreams: MAX_STREAMS_PER_CONNECTION },
+        },
+        handle,
+      )
     : http.createServer(handle);
+  server.maxConnections = MAX_CONNECTIONS;
   const sessions = new Set<http2.ServerHttp2Session>();
   server.on('session', (session: http2.ServerHttp2Session) => {
     sessions.add(session);

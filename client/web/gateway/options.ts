@@ -17,7 +17,16 @@ export interface GatewayOptions {
   page: string;
   /** Names by which browsers may call the gateway, besides the address it listens on. */
   allowedHosts: string[];
+  /** Of one message of a caller [byte]. */
+  maxMessageBytes: number;
+  /** Of all requests that are under way [byte]; each takes a few times as much memory. */
+  maxBytesUnderWay: number;
 }
+
+const MIB = 1024 * 1024;
+/** Two of the largest requests at a time. */
+const MESSAGES_UNDER_WAY = 2;
+const MAX_MESSAGE_MIB = 1024;
 
 export const usage = `Serves the dashboard of ccst and forwards its calls to a ccst-server.
 Usage: ccst-gateway [OPTIONS]
@@ -30,6 +39,8 @@ Usage: ccst-gateway [OPTIONS]
   --tls-key FILE         private key of --tls-cert (PEM)
   --insecure             let other machines connect without HTTPS, and reach the server without TLS
   --allow-host NAME      a name by which browsers call the gateway; may be given again
+  --max-message-mib N    the largest message of a caller (82), in [1, 1024]; the server has its own
+                         limits, max_inline_mesh_bytes for example, and takes no more
   --page FOLDER          the built page (beside the program)
   -h, --help             print this
 `;
@@ -76,6 +87,7 @@ export function parseOptions(args: string[], environment: NodeJS.ProcessEnv): Ga
         'tls-key': { type: 'string' },
         insecure: { type: 'boolean', default: false },
         'allow-host': { type: 'string', multiple: true, default: [] },
+        'max-message-mib': { type: 'string', default: '82' },
         page: { type: 'string' },
         help: { type: 'boolean', short: 'h', default: false },
       },
@@ -104,6 +116,12 @@ export function parseOptions(args: string[], environment: NodeJS.ProcessEnv): Ga
       `--server ${server} is another machine, to which tokens would go unencrypted: give --server-tls, --server-tls-ca or --insecure`,
     );
   }
+  const mebibytes = Number(values['max-message-mib']);
+  if (!Number.isInteger(mebibytes) || mebibytes < 1 || mebibytes > MAX_MESSAGE_MIB) {
+    throw new UsageError(
+      `--max-message-mib ${values['max-message-mib']}: give a whole number in [1, ${MAX_MESSAGE_MIB}]`,
+    );
+  }
   return {
     host,
     port,
@@ -115,6 +133,8 @@ export function parseOptions(args: string[], environment: NodeJS.ProcessEnv): Ga
         : { cert: readPem('--tls-cert', cert), key: readPem('--tls-key', key) },
     page: values.page ?? new URL('../page', import.meta.url).pathname,
     allowedHosts: values['allow-host'],
+    maxMessageBytes: mebibytes * MIB,
+    maxBytesUnderWay: MESSAGES_UNDER_WAY * mebibytes * MIB,
   };
 }
 

@@ -1,16 +1,22 @@
 #include "core/io/image_file.h"
 
+#include <array>
 #include <cstdlib>
 #include <functional>
+#include <iterator>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <spng.h>
 #include <turbojpeg.h>
+#include <zlib.h>
 
+#include "core/base/limit_error.h"
 #include "tests/core/io/io_test_util.h"
 
 namespace ccst {
@@ -56,7 +62,8 @@ std::string Encode(const Png& png) {
 
 // A picture without edges, which JPEG keeps nearly as it is.
 std::string SmoothJpeg(int width, int height, int quality, int flags,
-                       const std::function<void(double, double, unsigned char*)>& color) {
+                       const std::function<void(double, double, unsigned char*)>& color,
+                       int subsampling = TJSAMP_444) {
   std::vector<unsigned char> rgb(static_cast<std::size_t>(3 * width * height));
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -67,7 +74,7 @@ std::string SmoothJpeg(int width, int height, int quality, int flags,
   const tjhandle encoder = tjInitCompress();
   unsigned char* bytes = nullptr;
   unsigned long size = 0;  // NOLINT(google-runtime-int): the library's type.
-  EXPECT_EQ(tjCompress2(encoder, rgb.data(), width, 0, height, TJPF_RGB, &bytes, &size, TJSAMP_444,
+  EXPECT_EQ(tjCompress2(encoder, rgb.data(), width, 0, height, TJPF_RGB, &bytes, &size, subsampling,
                         quality, flags),
             0);
   std::string result(reinterpret_cast<const char*>(bytes), size);
@@ -158,6 +165,111 @@ TEST(DecodeImage, MoreThanTheBytesCanHoldIsRefusedBeforeTheMemory) {
   const auto growth = testing::PeakGrowth([&] { (void)DecodeImage(jpeg); });
   EXPECT_GE(growth, 0);
   EXPECT_LT(growth, 8 << 20);
+}
+
+// A black PNG of one bit a pixel, as plain zlib makes it; libspng does not write interlaced ones.
+std::string BlackPng(std::uint32_t width, std::uint32_t height, bool interlaced) {
+  const auto big = [](std::uint32_t value) {
+    std::string bytes;
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+    return bytes;
+  };
+  const auto chunk = [&big](const std::string& name, const std::string& data) {
+    const std::string body = name + data;
+    const auto sum =
+        crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()));
+    return big(static_cast<std::uint32_t>(data.size())) + body +
+           big(static_cast<std::uint32_t>(sum));
+  };
+  // Start and step of the columns and rows of each pass.
+  const std::vector<std::array<std::uint32_t, 4>> passes =
+      interlaced
+          ? std::vector<std::array<std::uint32_t, 4>>{{0, 8, 0, 8}, {4, 8, 0, 8}, {0, 4, 4, 8},
+                                                      {2, 4, 0, 4}, {0, 2, 2, 4}, {1, 2, 0, 2},
+                                                      {0, 1, 1, 2}}
+          : std::vector<std::array<std::uint32_t, 4>>{{0, 1, 0, 1}};
+  std::size_t size = 0;
+  for (const auto& [x, dx, y, dy] : passes) {
+    if (x >= width || y >= height) continue;
+    const std::size_t columns = (width - x + dx - 1) / dx;
+    const std::size_t rows = (height - y + dy - 1) / dy;
+    size += rows * (1 + (columns + 7) / 8);
+  }
+  const std::string rows(size, '\0');
+  uLongf packed_size = compressBound(static_cast<uLong>(size));
+  std::string packed(packed_size, '\0');
+  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &packed_size,
+                     reinterpret_cast<const Bytef*>(rows.data()), static_cast<uLong>(size)),
+            Z_OK);
+  packed.resize(packed_size);
+  const std::string header =
+      big(width) + big(height) + std::string("\1\0\0\0", 4) + (interlaced ? '\1' : '\0');
+  return std::string("\x89PNG\r\n\x1a\n", 8) + chunk("IHDR", header) + chunk("IDAT", packed) +
+         chunk("IEND", "");
+}
+
+TEST(DecodeImage, InterlacedPngIsTheSamePicture) {
+  for (const auto& [width, height] : {std::pair(1U, 1U), std::pair(5U, 3U), std::pair(100U, 37U)}) {
+    for (const bool interlaced : {false, true}) {
+      const auto image = DecodeImage(BlackPng(width, height, interlaced));
+      ASSERT_TRUE(image.ok()) << image.status();
+      EXPECT_EQ(image->values, std::vector<float>(std::size_t{width} * height, 0.0F));
+    }
+  }
+}
+
+TEST(ReadImageFacts, SizeStandsInTheHeader) {
+  const auto png = ReadImageFacts(SourceOf(BlackPng(300, 200, false)));
+  ASSERT_TRUE(png.ok()) << png.status();
+  EXPECT_EQ(png->width, 300);
+  EXPECT_EQ(png->height, 200);
+  const std::string jpeg = SmoothJpeg(
+      40, 25, 90, 0, [](double, double, unsigned char* rgb) { rgb[0] = rgb[1] = rgb[2] = 9; });
+  const auto baseline = ReadImageFacts(SourceOf(jpeg));
+  ASSERT_TRUE(baseline.ok()) << baseline.status();
+  EXPECT_EQ(baseline->width, 40);
+  EXPECT_EQ(baseline->height, 25);
+  // Texts and profiles may stand before it.
+  std::string with_texts = jpeg.substr(0, 2);
+  for (int i = 0; i < 3; ++i) with_texts += "\xff\xfe\xff\xfe" + std::string(0xfffc, 'x');
+  with_texts += jpeg.substr(2);
+  const auto behind = ReadImageFacts(SourceOf(with_texts));
+  ASSERT_TRUE(behind.ok()) << behind.status();
+  EXPECT_EQ(behind->width, 40);
+}
+
+TEST(ReadImageFacts, TooManyPixelsAreRefusedWithTheLimit) {
+  const absl::Status status =
+      ReadImageFacts(SourceOf(BlackPng(40, 25, false)), {.max_pixels = 999}).status();
+  EXPECT_EQ(GetErrorReason(status), ErrorReason::kLimitExceeded);
+  ASSERT_TRUE(GetPassedLimit(status).has_value());
+  EXPECT_EQ(GetPassedLimit(status)->name, "max_texture_pixels");
+  EXPECT_EQ(GetPassedLimit(status)->value, 999);
+  EXPECT_EQ(GetPassedLimit(status)->requested, 1000);
+}
+
+TEST(DecodeImage, TakesTheMemoryThatItsHeaderAnnounces) {
+  const auto grey = [](double x, double, unsigned char* rgb) {
+    rgb[0] = rgb[1] = rgb[2] = static_cast<unsigned char>(255 * x);
+  };
+  const std::string files[] = {BlackPng(2000, 1500, false),
+                               BlackPng(2000, 1500, true),
+                               SmoothJpeg(2000, 1500, 80, 0, grey),
+                               SmoothJpeg(2000, 1500, 80, TJFLAG_PROGRESSIVE, grey),
+                               SmoothJpeg(2000, 1500, 80, TJFLAG_PROGRESSIVE, grey, TJSAMP_420),
+                               SmoothJpeg(2000, 1500, 80, TJFLAG_PROGRESSIVE, grey, TJSAMP_422),
+                               SmoothJpeg(2000, 1500, 80, TJFLAG_PROGRESSIVE, grey, TJSAMP_GRAY)};
+  for (std::size_t i = 0; i < std::size(files); ++i) {
+    const std::int64_t announced = ReadImageFacts(SourceOf(files[i]))->decode_bytes;
+    // What the heap kept of freed memory would be used first and not be seen.
+    malloc_trim(0);
+    const std::int64_t growth = testing::PeakGrowth([&] { (void)DecodeImage(files[i]); });
+    ASSERT_GE(growth, 0);
+    EXPECT_LT(static_cast<double>(growth), 1.5 * static_cast<double>(announced)) << i;
+    if (growth > 0) {
+      EXPECT_LT(static_cast<double>(announced), 1.5 * static_cast<double>(growth)) << i;
+    }
+  }
 }
 
 TEST(DecodeImage, OtherFilesAndTruncationsAreRefused) {

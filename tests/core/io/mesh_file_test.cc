@@ -35,7 +35,8 @@ TEST(MeshFormat, FollowsTheExtensionInAnyCase) {
   EXPECT_EQ(MeshFormatFromPath("b.drc"), MeshFormat::kDraco);
   EXPECT_EQ(MeshFormatFromPath("b.Glb"), MeshFormatFromPath("b.gltf"));
   EXPECT_TRUE(MeshFormatFromPath("b.gltf").has_value());
-  for (const char* path : {"", "obj", "b.fbx", "b.obj.gz", "b.", "drc/b"}) {
+  EXPECT_EQ(MeshFormatFromPath("b.obj.GZ"), MeshFormat::kObj);
+  for (const char* path : {"", "obj", "b.fbx", "b.gz", "b.fbx.gz", "b.", "drc/b"}) {
     EXPECT_FALSE(MeshFormatFromPath(path).has_value()) << path;
   }
   EXPECT_EQ(MeshOutputFormatFromPath("b.GLB"), MeshOutputFormat::kGlb);

@@ -61,17 +61,38 @@ TEST(ObjReader, BadIndicesAreRefusedWithTheirLine) {
   EXPECT_REFUSED(ReadObj(square + "f 1 2 99999999999\n", {}), ErrorReason::kMeshDegenerate,
                  "line 5");
   EXPECT_REFUSED(ReadObj(square + "f 1 2 x\n", {}), ErrorReason::kMeshUnreadable, "line 5", "'x'");
-  EXPECT_REFUSED(ReadObj(square + "f 1 2\n", {}), ErrorReason::kMeshUnreadable, "line 5",
-                 "2 corners", "at least 3");
 }
 
 TEST(ObjReader, BadVerticesAreRefusedWithTheirLine) {
   EXPECT_REFUSED(ReadObj("v 0 0\nf 1 1 1\n", {}), ErrorReason::kMeshUnreadable, "line 1",
                  "three numbers");
   EXPECT_REFUSED(ReadObj("v 0 0 zero\n", {}), ErrorReason::kMeshUnreadable, "line 1", "'zero'");
-  EXPECT_REFUSED(ReadObj("v 0 0 0\nv 0 nan 0\n", {}), ErrorReason::kMeshDegenerate, "line 2",
-                 "vertex 1", "y = nan");
-  EXPECT_REFUSED(ReadObj("v 0 0 1e400\n", {}), ErrorReason::kMeshDegenerate, "z = inf");
+  EXPECT_REFUSED(ReadObj("v 0 0 0\nv 0 nan 0\nv 1 0 0\nf 1 2 3\n", {}),
+                 ErrorReason::kMeshDegenerate, "line 2", "vertex 1", "y = nan");
+  EXPECT_REFUSED(ReadObj("v 0 0 1e400\nv 0 0 0\nv 1 0 0\nf 1 2 3\n", {}),
+                 ErrorReason::kMeshDegenerate, "z = inf");
+}
+
+TEST(ObjReader, VerticesOfNoFaceMayBeAnything) {
+  const auto file = ReadObj("v nan 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 inf 0\nf 2 3 4\n", {});
+  ASSERT_TRUE(file.ok()) << file.status();
+  EXPECT_EQ(file->report.vertices_not_finite, 2);
+  EXPECT_EQ(file->mesh.positions.size(), 5u);
+  for (const Eigen::Vector3d& position : file->mesh.positions) EXPECT_TRUE(position.allFinite());
+}
+
+TEST(ObjReader, FacesOfTooFewCornersAreSkippedButKeepTheirNumber) {
+  const auto file = ReadObj(std::string(kSquare) + "f 1 2\nf 1 2 3\nf 4\nf 1 3 4\n", {});
+  ASSERT_TRUE(file.ok()) << file.status();
+  EXPECT_EQ(file->report.faces_skipped, 2);
+  EXPECT_THAT(file->face_source, ElementsAre(1, 3));
+}
+
+TEST(ObjReader, ColoursAboveOneAreBytes) {
+  const auto file = ReadObj("v 0 0 0 255 0 51\nv 1 0 0\nv 0 1 0 0 0 0\nf 1 2 3\n", {});
+  ASSERT_TRUE(file.ok()) << file.status();
+  ASSERT_EQ(file->mesh.attributes.size(), 1u);
+  EXPECT_THAT(file->mesh.attributes[0].values, ElementsAre(1, 0, 0.2f, 1, 1, 1, 0, 0, 0));
 }
 
 TEST(ObjReader, OtherFilesAreRefused) {

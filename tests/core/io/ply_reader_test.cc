@@ -128,9 +128,18 @@ TEST(PlyReader, NeedsPositionsAndCorners) {
       ReadPly(Header("ascii", "element face 1\nproperty list uchar float vertex_indices\n") + "0\n",
               {}),
       ErrorReason::kMeshUnreadable, "vertex_indices");
-  EXPECT_REFUSED(
-      ReadPly(Header("ascii", "element tristrips 1\nproperty list int int v\n") + "0\n", {}),
-      ErrorReason::kMeshUnreadable, "strips");
+}
+
+TEST(PlyReader, StripsAlternateAndStartAnewAfterMinusOne) {
+  const auto file =
+      ReadPly(Header("ascii",
+                     "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+                     "element tristrips 1\nproperty list int int vertex_indices\n") +
+                  "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n8 0 1 2 3 -1 2 3 4\n",
+              {});
+  ASSERT_TRUE(file.ok()) << file.status();
+  EXPECT_THAT(file->mesh.faces, ElementsAre(Eigen::Vector3i(0, 1, 2), Eigen::Vector3i(2, 1, 3),
+                                            Eigen::Vector3i(2, 3, 4)));
 }
 
 TEST(PlyReader, BadDataNamesLineOrByte) {
@@ -143,8 +152,6 @@ TEST(PlyReader, BadDataNamesLineOrByte) {
                  ErrorReason::kMeshDegenerate, "line 15", "face 0", "vertex 3");
   EXPECT_REFUSED(ReadPly(ascii + "0 0 0\n1 0 0\n0 1 0\n200 0 1 3\n", {}),
                  ErrorReason::kMeshUnreadable, "line 15", "announces 200 items");
-  EXPECT_REFUSED(ReadPly(ascii + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", {}), ErrorReason::kMeshUnreadable,
-                 "line 15", "2 corners");
   const std::string binary = Header("binary_little_endian", kPlain);
   EXPECT_REFUSED(ReadPly(binary + std::string(30, '\0'), {}), ErrorReason::kMeshUnreadable,
                  "byte " + std::to_string(binary.size()), "3 records of 'vertex'");

@@ -52,7 +52,7 @@ TEST(PlyAttributes, ColoursTextureCoordinatesAndScalarsOfVertices) {
                   {1, 0.2f, 0, 1, 0.4f, 0, 0.8f, 0.2f, 0, 0, 0, 0});
   ExpectAttribute(mesh, "uv", AttributeKind::kTextureCoordinates, 2, false,
                   {0.25f, 0.5f, 1, 0.75f, 0, 0});
-  ExpectAttribute(mesh, "label", AttributeKind::kScalar, 1, false, {-3, 70000, 0});
+  ExpectAttribute(mesh, "label", AttributeKind::kLabel, 1, false, {-3, 70000, 0});
   const Attribute* const quality = FindAttribute(mesh.attributes, "quality");
   ASSERT_NE(quality, nullptr);
   EXPECT_EQ(quality->values[1], 2.5f);
@@ -84,7 +84,7 @@ TEST(PlyAttributes, WhatIsNoWholeColourOrPairIsAScalar) {
                             {});
   ASSERT_TRUE(file.ok()) << file.status();
   ASSERT_EQ(file->mesh.attributes.size(), 3u);
-  ExpectAttribute(file->mesh, "red", AttributeKind::kScalar, 1, false, {1, 3, 5});
+  ExpectAttribute(file->mesh, "red", AttributeKind::kLabel, 1, false, {1, 3, 5});
   ExpectAttribute(file->mesh, "u", AttributeKind::kScalar, 1, false, {0.5f, 0.5f, 0.5f});
 }
 

@@ -15,7 +15,7 @@ TEST(SamplesDigest, TheDocumentedExample) {
             "83e6ac87bd3902c162e2a3ae81e1503f4f07f48fd46c2c9e94fbddbc883db8d5");
 }
 
-SampleSet ThreeSamples() {
+SampleSet TwoTriangles() {
   SampleSet samples;
   samples.faces = {0, 1, -1};
   samples.barycentrics = {{0.1, 0.2}, {0.3, 0.4}, {-0.0, 1e-300}};
@@ -24,23 +24,23 @@ SampleSet ThreeSamples() {
 }
 
 TEST(SamplesDigest, TrianglesCount) {
-  EXPECT_EQ(SamplesDigest(ThreeSamples()),
+  EXPECT_EQ(SamplesDigest(TwoTriangles()),
             "87f65deb17e43cd3fe40edc651402515d2de08fa033d1643e87455c4c3b43b78");
 }
 
 TEST(SamplesDigest, EveryBitCountsAndPositionsDoNot) {
-  const std::string digest = SamplesDigest(ThreeSamples());
-  SampleSet changed = ThreeSamples();
+  const std::string digest = SamplesDigest(TwoTriangles());
+  SampleSet changed = TwoTriangles();
   changed.positions = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
   changed.normals = changed.positions;
   EXPECT_EQ(SamplesDigest(changed), digest);
-  changed = ThreeSamples();
+  changed = TwoTriangles();
   changed.barycentrics[2].x() = 0.0;
   EXPECT_NE(SamplesDigest(changed), digest);
-  changed = ThreeSamples();
+  changed = TwoTriangles();
   std::swap(changed.triangles[0], changed.triangles[1]);
   EXPECT_NE(SamplesDigest(changed), digest);
-  changed = ThreeSamples();
+  changed = TwoTriangles();
   changed.faces[0] = 2;
   EXPECT_NE(SamplesDigest(changed), digest);
 }

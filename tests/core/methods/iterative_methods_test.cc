@@ -16,15 +16,10 @@ namespace ccst {
 namespace {
 
 using methods_test::DensityOf;
-using methods_test::HostNormals;
+using methods_test::Figures;
 using methods_test::Points;
-using methods_test::Positions;
 using methods_test::Sample;
 using methods_test::SurfaceOf;
-
-quality::DistanceFigures Figures(const Surface& surface, const Points& points) {
-  return quality::MeasureDistances(Positions(points), HostNormals(surface, points), surface.area());
-}
 
 // Runs a method and collects the energies it reports.
 template <class Options, class Method>
@@ -183,6 +178,27 @@ TEST(IterativeMethods, StoppedAfterAStepTheyReturnTheWholeSet) {
   };
   run(RelaxLloyd, LloydOptions());
   run(BalanceVoronoi, BalanceOptions{.points_per_sample = 32});
+}
+
+// The start is a set of samples too: whoever is out of time by then gets it.
+TEST(IterativeMethods, OutOfTimeBeforeTheFirstStepTheyReturnTheStart) {
+  const Surface torus = SurfaceOf(shapes::Torus(1.0, 0.4, 40, 20));
+  const Density density = Density::Uniform(torus);
+  const auto run = [&](auto method, const auto& options) {
+    for (auto limit = std::chrono::microseconds(1);; limit *= 2) {
+      Interrupt interrupt({}, Interrupt::Clock::now() + limit);
+      const auto samples = method(torus, density, 2000, 1, options, MethodControl{&interrupt});
+      if (!samples.ok()) {
+        EXPECT_EQ(GetErrorReason(samples.status()), ErrorReason::kTimeLimitExceeded);
+        continue;
+      }
+      EXPECT_EQ(samples->points.size(), 2000u);
+      EXPECT_FALSE(samples->converged);
+      return;
+    }
+  };
+  run(RelaxLloyd, LloydOptions{.max_steps = 1000, .tolerance = 0.0});
+  run(BalanceVoronoi, BalanceOptions());
 }
 
 // Regions that reach through a thin plate would leave on each side what is left of one pattern

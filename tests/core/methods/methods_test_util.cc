@@ -86,6 +86,10 @@ std::vector<Eigen::Vector3d> Positions(const Points& points) {
   return positions;
 }
 
+quality::DistanceFigures Figures(const Surface& surface, const Points& points) {
+  return quality::MeasureDistances(Positions(points), HostNormals(surface, points), surface.area());
+}
+
 TriangleMesh ThinPlate(double thickness) {
   TriangleMesh mesh = shapes::Cube();
   for (int level = 0; level < 3; ++level) mesh = shapes::Subdivided(mesh);

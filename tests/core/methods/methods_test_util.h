@@ -9,6 +9,7 @@
 #include "core/density/density.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/methods/methods.h"
+#include "core/quality/distances.h"
 #include "core/surface/surface.h"
 
 /// What the tests of the methods share.
@@ -41,6 +42,9 @@ Density DensityOf(const Surface& surface, const std::function<double(const Eigen
 std::vector<Eigen::Vector3d> HostNormals(const Surface& surface, const Points& points);
 /// n x 3.
 std::vector<Eigen::Vector3d> Positions(const Points& points);
+
+/// Distances between points of one side.
+quality::DistanceFigures Figures(const Surface& surface, const Points& points);
 
 /// [-1, 1]^2 x [0, thickness], faces on both sides of about 0.25 a side.
 TriangleMesh ThinPlate(double thickness);

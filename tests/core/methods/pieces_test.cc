@@ -98,7 +98,7 @@ TEST(CutPieces, CoverTheSurfaceInSmallPieces) {
   for (std::int32_t f = 0; f < surface.face_count(); ++f) {
     EXPECT_NEAR(areas[f], surface.face_areas()[f], 1e-6);
   }
-  EXPECT_LE(pieces.size(), 128u * 500u);
+  EXPECT_LE(pieces.size(), 28u * 500u);
 }
 
 TEST(CutPieces, NeedlesStayFew) {
@@ -108,7 +108,7 @@ TEST(CutPieces, NeedlesStayFew) {
   Interrupt never;
   const auto pieces =
       CutPieces(needle, Density::Uniform(needle), HexagonalSpacing(needle, 100), &never);
-  EXPECT_LE(pieces.size(), 1u + 128u * 100u);
+  EXPECT_LE(pieces.size(), 1u + 28u * 100u);
 }
 
 }  // namespace

@@ -12,9 +12,9 @@ namespace ccst {
 namespace {
 
 using methods_test::DensityOf;
+using methods_test::Figures;
 using methods_test::HostNormals;
 using methods_test::Points;
-using methods_test::Positions;
 using methods_test::Sample;
 using methods_test::SurfaceOf;
 
@@ -23,10 +23,6 @@ DartSamples Darts(const Surface& surface, const Density& density, std::int64_t c
   absl::StatusOr<DartSamples> samples = ThrowDarts(surface, density, count, 1, {&never});
   EXPECT_TRUE(samples.ok()) << samples.status();
   return samples.ok() ? *samples : DartSamples();
-}
-
-quality::DistanceFigures Figures(const Surface& surface, const Points& points) {
-  return quality::MeasureDistances(Positions(points), HostNormals(surface, points), surface.area());
 }
 
 // Smallest distance of two points on one side in units of the smaller of their local spacings

@@ -8,14 +8,14 @@
 #include <gtest/gtest.h>
 
 #include "core/base/status.h"
-#include "core/sampling/geometry_phase.h"
-#include "core/sampling/initial_mesh.h"
-#include "core/sampling/initial_points.h"
+#include "core/sampling/relax/geometry_phase.h"
 #include "core/sampling/sampling.h"
+#include "core/sampling/start/initial_mesh.h"
+#include "core/sampling/start/initial_points.h"
 #include "tests/core/sampling/sampling_test_util.h"
 #include "tests/support/shapes.h"
 
-namespace ccst {
+namespace ccst::internal {
 namespace {
 
 template <typename F>
@@ -271,4 +271,4 @@ TEST(DensitySampling, RefusesCurvatureOnAPlane) {
 }
 
 }  // namespace
-}  // namespace ccst
+}  // namespace ccst::internal

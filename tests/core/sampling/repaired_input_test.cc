@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "core/sampling/input/source_map.h"
 #include "core/sampling/sampling.h"
-#include "core/sampling/source_map.h"
 #include "tests/core/sampling/sampling_test_util.h"
 #include "tests/support/shapes.h"
 
-namespace ccst {
+namespace ccst::internal {
 namespace {
 
 using sampling_test::FindFault;
@@ -118,4 +118,4 @@ TEST(SourceMap, CornersLieWhereTheRepairedMeshHasThem) {
 }
 
 }  // namespace
-}  // namespace ccst
+}  // namespace ccst::internal

@@ -6,10 +6,12 @@
 #include <functional>
 #include <limits>
 #include <stop_token>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/base/status.h"
@@ -242,16 +244,81 @@ TEST(RunControl, StopFromAnotherThreadEndsALongRunSoon) {
   EXPECT_LT(std::chrono::duration<double>(ended - requested).count(), 5.0);
 }
 
-TEST(RunControl, TimeLimitReturnsWhatThereIs) {
+constexpr SamplingMethod kAllMethods[] = {
+    SamplingMethod::kCcst,  SamplingMethod::kWhiteNoise,        SamplingMethod::kPoissonDisk,
+    SamplingMethod::kLloyd, SamplingMethod::kSampleElimination, SamplingMethod::kCcvt};
+
+// Runs with limits twice as long each time, from what is too short for anything, until there is a
+// result; what comes before has to be an error that says so.
+SamplingResult FirstResult(const TriangleMesh& mesh, SamplingOptions options) {
+  for (double limit = 1e-9;; limit *= 2.0) {
+    options.time_limit_seconds = limit;
+    absl::StatusOr<SamplingResult> result = SampleSurface(mesh, options);
+    if (result.ok()) return *std::move(result);
+    EXPECT_EQ(result.status().code(), absl::StatusCode::kDeadlineExceeded) << result.status();
+    EXPECT_EQ(GetErrorReason(result.status()), ErrorReason::kTimeLimitExceeded);
+    EXPECT_THAT(std::string(result.status().message()), testing::HasSubstr(" while "));
+  }
+}
+
+TEST(TimeLimit, TooShortForAnythingIsAnErrorOfEveryMethod) {
+  for (const SamplingMethod method : kAllMethods) {
+    SamplingOptions options = Options(1000);
+    options.method = method;
+    options.time_limit_seconds = 1e-9;
+    const absl::Status status = SampleSurface(shapes::Icosphere(3), options).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded) << status;
+    EXPECT_EQ(GetErrorReason(status), ErrorReason::kTimeLimitExceeded);
+    EXPECT_THAT(std::string(status.message()), testing::HasSubstr("allow more time"));
+  }
+}
+
+TEST(TimeLimit, ReturnsAWholeIterateOfMethodsThatImprove) {
   const TriangleMesh mesh = shapes::Icosphere(4);
-  SamplingOptions options = Options(20000);
-  options.max_iterations = kMaxAlternations;
-  options.relative_tolerance = 1e-12;
-  options.time_limit_seconds = 1e-6;
-  const absl::StatusOr<SamplingResult> result = SampleSurface(mesh, options);
-  ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(result->termination, Termination::kTimeLimit);
-  EXPECT_EQ(FindFault(mesh, 20000, *result), "");
+  for (const SamplingMethod method :
+       {SamplingMethod::kCcst, SamplingMethod::kLloyd, SamplingMethod::kCcvt}) {
+    SamplingOptions options = Options(10000);
+    options.method = method;
+    options.max_iterations = kMaxAlternations;
+    options.relative_tolerance = 1e-12;
+    const SamplingResult result = FirstResult(mesh, options);
+    EXPECT_EQ(result.termination, Termination::kTimeLimit);
+    EXPECT_EQ(result.samples.positions.size(), 10000u);
+    if (method == SamplingMethod::kCcst) {
+      EXPECT_EQ(FindFault(mesh, 10000, result), "");
+    }
+  }
+}
+
+TEST(TimeLimit, EndsNoMethodInTheMiddleOfItsOnlyStep) {
+  for (const SamplingMethod method : {SamplingMethod::kWhiteNoise, SamplingMethod::kPoissonDisk,
+                                      SamplingMethod::kSampleElimination}) {
+    SamplingOptions options = Options(20000);
+    options.method = method;
+    const SamplingResult result = FirstResult(shapes::Icosphere(4), options);
+    EXPECT_EQ(result.samples.positions.size(), 20000u);
+    SamplingOptions whole = options;
+    whole.time_limit_seconds.reset();
+    EXPECT_EQ(Sorted(result.samples.positions),
+              Sorted(SampleSurface(shapes::Icosphere(4), whole)->samples.positions));
+  }
+}
+
+TEST(TimeLimit, CountsFromTheStart) {
+  // The limit passes in the sink, before the mesh is looked at.
+  Recorder recorder;
+  recorder.on_phase = [](Phase phase) {
+    if (phase != Phase::kPreparing) return;
+    const auto start = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - start < std::chrono::milliseconds(3)) {
+    }
+  };
+  SamplingOptions options = Options(100);
+  options.time_limit_seconds = 2e-3;
+  const absl::Status status =
+      SampleSurface(shapes::Icosphere(2), options, {.stop = {}, .progress = &recorder}).status();
+  EXPECT_EQ(GetErrorReason(status), ErrorReason::kTimeLimitExceeded) << status;
+  EXPECT_EQ(recorder.phases, std::vector<Phase>{Phase::kPreparing});
 }
 
 TEST(RunControl, HugeTimeLimitIsNone) {

@@ -13,8 +13,8 @@
 #include "core/quality/sample_mesh_quality.h"
 #include "core/quality/surface_distance.h"
 #include "core/quality/triangle_tree.h"
-#include "core/sampling/initial_mesh.h"
-#include "core/sampling/initial_points.h"
+#include "core/sampling/start/initial_mesh.h"
+#include "core/sampling/start/initial_points.h"
 #include "tests/support/shapes.h"
 
 namespace ccst::sampling_test {
@@ -33,7 +33,8 @@ absl::StatusOr<Start> MakeStart(const TriangleMesh& mesh, std::int64_t count, st
   CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(mesh));
   std::int64_t smallest = 0;
   Density density = Density::Uniform(surface);
-  CCST_ASSIGN_OR_RETURN(Plan plan, MakePlan(surface, density, {}, count, seed, &smallest));
+  CCST_ASSIGN_OR_RETURN(Plan plan,
+                        internal::MakePlan(surface, density, {}, count, seed, &smallest));
   CCST_ASSIGN_OR_RETURN(Samples samples, DrawInitialPoints(surface, density, plan, seed, &never));
   CCST_ASSIGN_OR_RETURN(SampleMesh triangulation, BuildInitialMesh(surface, plan, samples, &never));
   return Start{std::move(surface), std::move(density), std::move(plan), std::move(samples),
@@ -51,35 +52,6 @@ std::vector<Eigen::Vector3i> Triangles(const SampleMesh& mesh) {
 
 quality::MeshTopology Topology(const SampleMesh& mesh) {
   return quality::MeasureTopology(mesh.vertex_count(), Triangles(mesh));
-}
-
-std::string FindInconsistency(const SampleMesh& mesh) {
-  for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh.origin.size()); ++h) {
-    if (mesh.IsDead(h / 3)) continue;
-    const std::int32_t g = mesh.twin[h];
-    if (g >= 0 && (mesh.IsDead(g / 3) || mesh.twin[g] != h || mesh.origin[g] != mesh.Target(h) ||
-                   mesh.Target(g) != mesh.origin[h])) {
-      return absl::StrCat("half-edge ", h, " and its twin ", g, " do not match");
-    }
-  }
-  std::vector<std::int32_t> degree(mesh.vertex_count(), 0);
-  for (const Eigen::Vector3i& t : Triangles(mesh)) {
-    for (const std::int32_t v : t) ++degree[v];
-  }
-  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
-    const std::int32_t h = mesh.outgoing[v];
-    if (h < 0) {
-      if (degree[v] != 0) return absl::StrCat("vertex ", v, " has triangles but no half-edge");
-      continue;
-    }
-    if (mesh.origin[h] != v) return absl::StrCat("outgoing half-edge of ", v, " starts elsewhere");
-    std::int32_t seen = 0;
-    mesh.ForEachOutgoing(v, [&](std::int32_t) { ++seen; });
-    if (seen != degree[v]) {
-      return absl::StrCat("walking around ", v, " sees ", seen, " of ", degree[v], " triangles");
-    }
-  }
-  return "";
 }
 
 double Area(const SampleMesh& mesh, const std::vector<Eigen::Vector3d>& positions) {

@@ -11,14 +11,18 @@
 #include "core/mesh/triangle_mesh.h"
 #include "core/parallel/parallel.h"
 #include "core/quality/mesh_topology.h"
-#include "core/sampling/plan.h"
-#include "core/sampling/sample_mesh.h"
-#include "core/sampling/samples.h"
+#include "core/sampling/mesh/sample_mesh.h"
+#include "core/sampling/mesh/samples.h"
 #include "core/sampling/sampling.h"
+#include "core/sampling/start/plan.h"
 #include "core/surface/surface.h"
 
 /// What the tests of the sampling room share.
 namespace ccst::sampling_test {
+
+using internal::Plan;
+using internal::SampleMesh;
+using internal::Samples;
 
 /// A surface with its initial samples and their triangulation.
 /// Where the number of threads does not matter.
@@ -41,10 +45,6 @@ std::vector<Eigen::Vector3i> Triangles(const SampleMesh& mesh);
 
 /// The topology of the live triangles over all vertices.
 quality::MeshTopology Topology(const SampleMesh& mesh);
-
-/// Says what is wrong with the half-edge arrays: twins, outgoing half-edges, dead triangles; empty
-/// when nothing is.
-std::string FindInconsistency(const SampleMesh& mesh);
 
 /// Sum of the areas of the live triangles.
 double Area(const SampleMesh& mesh, const std::vector<Eigen::Vector3d>& positions);

@@ -6,19 +6,12 @@
 #include <gtest/gtest.h>
 
 #include "core/random/random.h"
+#include "tests/core/spatial/random_points.h"
 
 namespace ccst {
 namespace {
 
-std::vector<Eigen::Vector3d> RandomPoints(int count) {
-  const CounterRandom random(1, 1);
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < count; ++i) {
-    points.emplace_back(random.Uniform(3 * i), random.Uniform(3 * i + 1),
-                        random.Uniform(3 * i + 2));
-  }
-  return points;
-}
+using spatial_test::RandomPoints;
 
 std::vector<std::int32_t> Within(const BoxTree& tree, const Eigen::Vector3d& center,
                                  double radius) {

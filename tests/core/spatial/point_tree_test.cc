@@ -9,9 +9,12 @@
 #include <gtest/gtest.h>
 
 #include "core/random/random.h"
+#include "tests/core/spatial/random_points.h"
 
 namespace ccst {
 namespace {
+
+using spatial_test::RandomPoints;
 
 std::vector<std::int32_t> NearestByHand(const std::vector<Eigen::Vector3d>& points,
                                         const Eigen::Vector3d& query, std::size_t count) {
@@ -24,16 +27,6 @@ std::vector<std::int32_t> NearestByHand(const std::vector<Eigen::Vector3d>& poin
   std::vector<std::int32_t> nearest;
   for (const auto& [distance, index] : order) nearest.push_back(index);
   return nearest;
-}
-
-std::vector<Eigen::Vector3d> RandomPoints(int count) {
-  const CounterRandom random(1, 1);
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < count; ++i) {
-    points.emplace_back(random.Uniform(3 * i), random.Uniform(3 * i + 1),
-                        random.Uniform(3 * i + 2));
-  }
-  return points;
 }
 
 TEST(PointTree, AgreesWithBruteForce) {

@@ -7,22 +7,15 @@
 #include <gtest/gtest.h>
 
 #include "core/random/random.h"
+#include "tests/core/spatial/random_points.h"
 
 namespace ccst {
 namespace {
 
-std::vector<Eigen::Vector3d> RandomPoints(int count) {
-  const CounterRandom random(1, 1);
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < count; ++i) {
-    points.emplace_back(random.Uniform(3 * i) - 0.5, random.Uniform(3 * i + 1) - 0.5,
-                        random.Uniform(3 * i + 2) - 0.5);
-  }
-  return points;
-}
+using spatial_test::RandomPoints;
 
 TEST(HilbertOrder, IsAPermutationAlongWhichStepsAreShort) {
-  const std::vector<Eigen::Vector3d> points = RandomPoints(20000);
+  const std::vector<Eigen::Vector3d> points = RandomPoints(20000, -0.5);
   Interrupt never;
   std::vector<std::int32_t> order = HilbertOrder(points, &never);
   double steps = 0.0;
@@ -56,11 +49,11 @@ TEST(HilbertOrder, EndsWhenStopped) {
   std::stop_source stop;
   stop.request_stop();
   Interrupt interrupt(stop.get_token());
-  EXPECT_TRUE(HilbertOrder(RandomPoints(10), &interrupt).empty());
+  EXPECT_TRUE(HilbertOrder(RandomPoints(10, -0.5), &interrupt).empty());
 }
 
 TEST(HilbertOrder, ThreadsGiveTheSameOrder) {
-  const std::vector<Eigen::Vector3d> points = RandomPoints(30000);
+  const std::vector<Eigen::Vector3d> points = RandomPoints(30000, -0.5);
   Interrupt never;
   const std::vector<std::int32_t> order = HilbertOrder(points, &never);
   for (const int threads : {2, 3, 8}) {

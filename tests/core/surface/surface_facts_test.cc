@@ -12,8 +12,6 @@
 namespace ccst {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 struct Case {
   std::string name;
   TriangleMesh mesh;
@@ -122,8 +120,8 @@ TEST(Surface, NormalsOfATorusConvergeAtSecondOrder) {
     const Surface surface = *Surface::Build(shapes::Torus(1.0, 0.35, around, across));
     double worst = 0.0;
     for (int v = 0; v < surface.vertex_count(); ++v) {
-      const double u = 2.0 * kPi * (v % around) / around;
-      const double w = 2.0 * kPi * (v / around) / across;
+      const double u = 2.0 * std::numbers::pi * (v % around) / around;
+      const double w = 2.0 * std::numbers::pi * (v / around) / across;
       const Eigen::Vector3d exact(std::cos(w) * std::cos(u), std::cos(w) * std::sin(u),
                                   std::sin(w));
       worst = std::max(worst, (surface.normals()[v] - exact).norm());

@@ -165,8 +165,43 @@ std::vector<Case> CreationCases() {
       return status;
     };
   };
+  // The same request_id twice, with `change` in between.
+  const auto repeat = [](const std::function<void(World&, v1::CreateJobRequest&)>& change) {
+    return [=](World& world) {
+      v1::CreateJobRequest request = world.JobOf(2);
+      request.set_request_id("once");
+      v1::CreateJobResponse first;
+      EXPECT_TRUE(World::Call(*world.sampling, &Stub::CreateJob, request, first).ok());
+      world.WaitFor(first.job().name());
+      change(world, request);
+      v1::CreateJobResponse second;
+      const grpc::Status status = World::Call(*world.sampling, &Stub::CreateJob, request, second);
+      if (status.ok()) {
+        EXPECT_EQ(second.job().name(), first.job().name());
+      } else {
+        EXPECT_NE(status.error_message().find(first.job().name()), std::string::npos);
+      }
+      return status;
+    };
+  };
+  const auto drop_mesh = [](World& world, v1::CreateJobRequest&) {
+    world.Cancel(world.running);
+    world.WaitFor(world.running);
+    v1::DeleteMeshRequest request;
+    request.set_name(world.mesh);
+    v1::DeleteMeshResponse response;
+    EXPECT_TRUE(
+        World::Call(*world.meshes, &v1::MeshService::Stub::DeleteMesh, request, response).ok());
+  };
+  const auto reseed = [](World&, v1::CreateJobRequest& request) {
+    request.mutable_spec()->mutable_options()->set_seed(3);
+  };
   const std::string no_mesh = "meshes/" + std::string(64, '0');
   return {
+      {"CreateJob", "againWithItsRequestId", repeat([](World&, v1::CreateJobRequest&) {})},
+      {"CreateJob", "againWhenItsMeshIsGone", repeat(drop_mesh)},
+      {"CreateJob", "againForAnotherSpec", repeat(reseed), StatusCode::INVALID_ARGUMENT,
+       "REQUEST_INVALID"},
       {"Sample", "ofAHeldMesh", sample([](World&, v1::SampleRequest&) {})},
       {"Sample", "withoutMesh",
        sample([](World&, v1::SampleRequest& request) { request.clear_mesh_name(); }),

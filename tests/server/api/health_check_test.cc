@@ -1,10 +1,15 @@
 // What `ccst-server --health` asks a running server.
 #include "server/app/health_check.h"
 
+#include <cstdlib>
 #include <future>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/server/certificates.h"
+#include "tests/server/temp_folder.h"
 #include "tests/server/test_server.h"
 
 namespace ccst::server {
@@ -33,6 +38,67 @@ TEST(HealthCheck, NobodyListeningIsUnavailableAndNamesTheAddress) {
   const absl::Status status = CheckHealth(ListeningAt("127.0.0.1:1"));
   EXPECT_TRUE(absl::IsUnavailable(status)) << status;
   EXPECT_NE(status.message().find("127.0.0.1:1"), std::string::npos) << status;
+}
+
+TEST(HealthCheck, ProxiesOfTheEnvironmentAreNotUsed) {
+  TestServer server(QuickSampler());
+  // Nobody listens there.
+  const std::vector<const char*> names = {"http_proxy",  "https_proxy", "grpc_proxy",
+                                          "HTTPS_PROXY", "HTTP_PROXY",  "all_proxy"};
+  for (const char* name : names) setenv(name, "http://127.0.0.1:1", 1);
+  const absl::Status status = CheckHealth(ListeningAt(server->address()));
+  for (const char* name : names) unsetenv(name);
+  EXPECT_TRUE(status.ok()) << status;
+}
+
+TEST(HealthCheck, AnyPortIsNoneThatCanBeAsked) {
+  const absl::Status status = CheckHealth(ListeningAt("127.0.0.1:0"));
+  EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+  EXPECT_NE(status.message().find("port"), std::string::npos) << status;
+}
+
+// Where callers need a certificate.
+class MutualHealthCheck : public testing::Test {
+ protected:
+  MutualHealthCheck() {
+    options_.security.tls.certificate = folder_.Write("cert", own_.certificate);
+    options_.security.tls.key = folder_.Write("key", own_.key);
+  }
+  absl::Status Check(const TestCertificate& client_authority) {
+    options_.security.tls.client_ca = folder_.Write("ca", client_authority.certificate);
+    TestServer server(QuickSampler(), options_);
+    ServerOptions asked = options_;
+    asked.listen = server->address();
+    return CheckHealth(asked);
+  }
+
+  TempFolder folder_;
+  const TestCertificate authority_ = MakeAuthority("authority");
+  const TestCertificate callers_ = MakeAuthority("callers");
+  const TestCertificate own_ = MakeCertificate(authority_, "server");
+  ServerOptions options_;
+};
+
+TEST_F(MutualHealthCheck, ShowsTheCertificateOfTheServer) {
+  const absl::Status status = Check(authority_);
+  EXPECT_TRUE(status.ok()) << status;
+}
+
+TEST_F(MutualHealthCheck, SaysWhatItNeedsWhereThatIsNotTaken) {
+  const absl::Status status = Check(callers_);
+  EXPECT_TRUE(absl::IsUnavailable(status)) << status;
+  EXPECT_NE(status.message().find("--health-cert"), std::string::npos) << status;
+}
+
+TEST_F(MutualHealthCheck, ShowsTheCertificateItIsGiven) {
+  const TestCertificate health = MakeCertificate(callers_, "health");
+  options_.security.health_cert = folder_.Write("health-cert", health.certificate);
+  options_.security.health_key = folder_.Write("health-key", health.key);
+  const absl::Status status = Check(callers_);
+  EXPECT_TRUE(status.ok()) << status;
+  options_.security.health_key = options_.security.tls.key;
+  EXPECT_NE(Check(callers_).message().find("--health-key is not the key of --health-cert"),
+            std::string::npos);
 }
 
 TEST(HealthCheck, DrainingServerIsNotHealthy) {

@@ -33,7 +33,7 @@ TEST_F(MeshQuota, MeshOverTheLimitIsRefusedBeforeItsBytes) {
 
 TEST_F(MeshQuota, MeshLargerThanTheQuotaIsRefusedBeforeItsBytes) {
   ExpectError(meshes().Begin(Announced("ann", std::string(101, 'x'))).status(),
-              absl::StatusCode::kResourceExhausted, "QUOTA_EXCEEDED");
+              absl::StatusCode::kInvalidArgument, "LIMIT_EXCEEDED");
   EXPECT_TRUE(meshes().Begin(Announced("ann", std::string(100, 'x'))).ok());
 }
 

@@ -146,7 +146,7 @@ TEST_F(MeshStores, MeshExpiresWhenUnusedForTheRetention) {
   EXPECT_FALSE(store_->GetMesh("ann", sha256)->has_value());
 }
 
-TEST_F(MeshStores, EveryUseMovesTheExpiry) {
+TEST_F(MeshStores, UseMovesTheExpiryAndLookingDoesNot) {
   const std::string bytes = CubeBytes();
   const std::string sha256 = Upload("ann", bytes)->record.sha256;
   const auto expiry = [&] { return meshes().Get("ann", sha256)->record.expire_time; };
@@ -155,10 +155,11 @@ TEST_F(MeshStores, EveryUseMovesTheExpiry) {
   EXPECT_EQ(expiry(), At(1) + options_.retention);
   now_ = At(2);
   ASSERT_TRUE(meshes().Open("ann", sha256).ok());
-  EXPECT_EQ(expiry(), At(2) + options_.retention);
+  const MeshDigest digest = {sha256, static_cast<std::int64_t>(bytes.size())};
+  ASSERT_TRUE(meshes().FindMissing("ann", {digest}, /*is_use=*/false).ok());
+  EXPECT_EQ(expiry(), At(1) + options_.retention);
   now_ = At(3);
-  ASSERT_TRUE(
-      meshes().FindMissing("ann", {{sha256, static_cast<std::int64_t>(bytes.size())}}).ok());
+  ASSERT_TRUE(meshes().FindMissing("ann", {digest}).ok());
   EXPECT_EQ(expiry(), At(3) + options_.retention);
 }
 
@@ -234,8 +235,10 @@ TEST_F(MeshStores, MemoryIsHeldWhileAMeshIsDecodedAndMeasured) {
   const auto memory = std::make_shared<int>();
   std::vector<long> users;  // Of the memory, ours included.
   dependencies_.take_memory =
-      [&](std::span<const char> bytes) -> absl::StatusOr<std::shared_ptr<void>> {
-    EXPECT_EQ(std::string(bytes.begin(), bytes.end()), CubeBytes());
+      [&](const ByteSource& source) -> absl::StatusOr<std::shared_ptr<void>> {
+    std::string bytes(static_cast<std::size_t>(source.size), '\0');
+    EXPECT_TRUE(source.read(0, bytes).ok());
+    EXPECT_EQ(bytes, CubeBytes());
     return memory;
   };
   dependencies_.measure = [&](const TriangleMesh& mesh) {
@@ -248,7 +251,7 @@ TEST_F(MeshStores, MemoryIsHeldWhileAMeshIsDecodedAndMeasured) {
 }
 
 TEST_F(MeshStores, MeshForWhichThereIsNoMemoryIsRefusedAndNothingStays) {
-  dependencies_.take_memory = [](std::span<const char>) -> absl::StatusOr<std::shared_ptr<void>> {
+  dependencies_.take_memory = [](const ByteSource&) -> absl::StatusOr<std::shared_ptr<void>> {
     return MakeError(absl::StatusCode::kResourceExhausted, ErrorReason::kQueueFull, "later");
   };
   ExpectError(Upload("ann", CubeBytes()).status(), absl::StatusCode::kResourceExhausted,

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/limit_error.h"
 #include "tests/server/store/store_fixture.h"
 
 namespace ccst::server {
@@ -101,7 +102,7 @@ TEST_F(Blobs, WhatIsNoDigestIsNotThere) {
 TEST_F(Blobs, DamagedBytesAreNoticed) {
   const std::string sha256 = *PutWhole(store_->blobs(), "bytes");
   std::fstream(FileOf(sha256), std::ios::in | std::ios::out) << 'B';
-  ExpectError(ReadWhole(store_->blobs(), sha256).status(), absl::StatusCode::kInternal,
+  ExpectError(ReadWhole(store_->blobs(), sha256).status(), absl::StatusCode::kDataLoss,
               "STORAGE_FAILED");
 }
 
@@ -147,6 +148,25 @@ TEST_F(Blobs, AllTogetherHaveNoMoreThanTheLimit) {
   ASSERT_TRUE(store_->blobs().Remove(first).ok());
   EXPECT_TRUE(PutWhole(store_->blobs(), std::string(100, 'e')).ok());
   EXPECT_FALSE(store_->blobs().CheckRoom(1).ok());
+}
+
+TEST_F(Blobs, MoreThanTheDiskHasDoesNotFit) {
+  const auto free_bytes = static_cast<std::int64_t>(std::filesystem::space(directory_).available);
+  EXPECT_TRUE(store_->blobs().CheckRoom(1).ok());
+  // The disk is not this test's alone; twice what it has is too much in any case.
+  ExpectError(store_->blobs().CheckRoom(2 * free_bytes), absl::StatusCode::kResourceExhausted,
+              "STORAGE_FULL");
+}
+
+TEST_F(Blobs, WhatAloneIsOverTheLimitIsNeverKept) {
+  store_ = nullptr;
+  store_ = *OpenEmbeddedStore(directory_, 100);
+  const absl::Status refused = store_->blobs().CheckRoom(101);
+  ExpectError(refused, absl::StatusCode::kInvalidArgument, "LIMIT_EXCEEDED");
+  ASSERT_TRUE(GetPassedLimit(refused).has_value());
+  EXPECT_EQ(GetPassedLimit(refused)->name, "max_data_bytes");
+  EXPECT_EQ(GetPassedLimit(refused)->value, 100);
+  EXPECT_EQ(GetPassedLimit(refused)->requested, 101);
 }
 
 TEST_F(Blobs, SameBytesTwiceTakeTheirSpaceOnce) {

@@ -1,4 +1,6 @@
 #include <atomic>
+#include <barrier>
+#include <cstdint>
 #include <string>
 #include <thread>
 #include <vector>
@@ -68,6 +70,31 @@ TEST_F(Concurrency, OneBlobPutReadAndRemovedAtOnceIsWholeOrNotThere) {
     }
   });
   EXPECT_GT(read_count, 0);
+}
+
+TEST_F(Concurrency, SpaceIsThatOfTheFilesWhoeverPutsAndRemovesOneBlobAtOnce) {
+  constexpr std::int64_t kLimit = std::int64_t{1} << 20;
+  constexpr int kRounds = 300;
+  store_ = nullptr;
+  store_ = *OpenEmbeddedStore(directory_, kLimit);
+  const std::string bytes(1000, 'x');
+  std::barrier round(kThreadCount);
+  OnThreads([&](int thread) {
+    for (int i = 0; i < kRounds; ++i) {
+      // All commit at once, then all remove at once, then both.
+      auto writer = *store_->blobs().NewBlob();
+      EXPECT_TRUE(writer->Append(bytes).ok());
+      const std::string sha256 = writer->Seal();
+      round.arrive_and_wait();
+      EXPECT_TRUE(writer->Commit().ok());
+      if (thread % 2 == 0 || i % 2 == 0) round.arrive_and_wait();
+      EXPECT_TRUE(store_->blobs().Remove(sha256).ok());
+      if (thread % 2 == 1 && i % 2 == 1) round.arrive_and_wait();
+    }
+  });
+  ASSERT_TRUE(store_->blobs().Remove(Digest(bytes)).ok());
+  EXPECT_TRUE(store_->blobs().CheckRoom(kLimit).ok());
+  EXPECT_FALSE(store_->blobs().CheckRoom(kLimit + 1).ok());
 }
 
 }  // namespace

@@ -1,3 +1,6 @@
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +12,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::UnorderedElementsAre;
 
 class JobRecords : public StoreTest {};
 
@@ -82,6 +86,26 @@ TEST_F(JobRecords, EndWritesOutcomeAndHistory) {
   EXPECT_EQ(*store_->GetHistory("a"), history);
 }
 
+TEST_F(JobRecords, EndedOneIsAddedWithItsHistory) {
+  const JobRecord job = Ended(SomeJob("a"));
+  const std::string history("history\0\xff", 9);
+  ExpectSame(*store_->AddEndedJob(job, history), job);
+  Reopen();
+  ExpectSame(store_->GetJob("a")->value(), job);
+  EXPECT_EQ(*store_->GetHistory("a"), history);
+  EXPECT_THAT(*store_->UnfinishedJobs(), IsEmpty());
+}
+
+TEST_F(JobRecords, EndedOneOfARequestThatIsThereGivesTheFirstJob) {
+  const JobRecord first = SomeJob("a");
+  ASSERT_TRUE(store_->AddJob(first).ok());
+  JobRecord again = Ended(SomeJob("b", At(5)));
+  again.request_id = first.request_id;
+  ExpectSame(*store_->AddEndedJob(again, "history"), first);
+  EXPECT_FALSE(store_->GetJob("b")->has_value());
+  EXPECT_EQ(*store_->GetHistory("b"), "");
+}
+
 TEST_F(JobRecords, EndLeavesTheDefinitionAlone) {
   const JobRecord job = SomeJob("a");
   ASSERT_TRUE(store_->AddJob(job).ok());
@@ -121,6 +145,23 @@ TEST_F(JobRecords, OnlyQueuedOnesBecomeCancelling) {
   EXPECT_TRUE(store_->MarkCancelling("unknown").ok());
 }
 
+TEST_F(JobRecords, StartsAreCountedAndGivenBack) {
+  ASSERT_TRUE(store_->AddJob(SomeJob("a")).ok());
+  const auto starts = [this] { return store_->GetJob("a")->value().starts; };
+  EXPECT_EQ(starts(), 0);
+  ASSERT_TRUE(store_->GiveBackStart("a").ok());
+  EXPECT_EQ(starts(), 0);
+  ASSERT_TRUE(store_->CountStart("a").ok());
+  ASSERT_TRUE(store_->CountStart("a").ok());
+  Reopen();
+  EXPECT_EQ(starts(), 2);
+  EXPECT_EQ(store_->UnfinishedJobs()->front().starts, 2);
+  ASSERT_TRUE(store_->GiveBackStart("a").ok());
+  EXPECT_EQ(starts(), 1);
+  EXPECT_TRUE(store_->CountStart("unknown").ok());
+  EXPECT_TRUE(store_->GiveBackStart("unknown").ok());
+}
+
 TEST_F(JobRecords, UnfinishedComeOldestFirst) {
   for (const char* id : {"b", "a", "d", "c"}) {
     ASSERT_TRUE(store_->AddJob(SomeJob(id, At(id[0]))).ok());
@@ -153,9 +194,16 @@ TEST_F(JobRecords, ExpireOnceEndedAndTheirTimeHasPassed) {
     ASSERT_TRUE(store_->EndJob(Ended(job, At(i)), "").ok());
   }
   ASSERT_TRUE(store_->AddJob(SomeJob("waiting")).ok());
-  EXPECT_THAT(*store_->ExpiredJobs(At(1), 10), IsEmpty());
-  EXPECT_THAT(*store_->ExpiredJobs(At(3), 10), ElementsAre("1", "2"));
-  EXPECT_THAT(*store_->ExpiredJobs(At(9), 1), ElementsAre("1"));
+  const auto drop = [this](absl::Time now, int limit) {
+    std::vector<std::string> ids;
+    const auto dropped = *store_->DropExpiredJobs(now, limit);
+    for (const DroppedJob& job : dropped) ids.push_back(job.id);
+    return ids;
+  };
+  EXPECT_THAT(drop(At(1), 10), IsEmpty());
+  EXPECT_THAT(drop(At(9), 1), ElementsAre("1"));
+  EXPECT_THAT(drop(At(3), 10), ElementsAre("2"));
+  EXPECT_THAT(Ids(store_->ListJobs({}, 10, "")->records), UnorderedElementsAre("3", "waiting"));
 }
 
 TEST_F(JobRecords, DeleteTakesLabelsHistoryAndRequestAlong) {
@@ -207,19 +255,6 @@ TEST_F(JobRecords, DamagedDefinitionIsNoticed) {
   Reopen();
   EXPECT_TRUE((*store_->GetJob("a"))->damaged);
   EXPECT_TRUE(store_->UnfinishedJobs()->front().damaged);
-}
-
-TEST_F(JobRecords, DefinitionOfAnEarlierVersionIsNotChecked) {
-  ASSERT_TRUE(store_->AddJob(SomeJob("a")).ok());
-  store_ = nullptr;
-  {
-    const auto database = *Database::Open(directory_ + "/records.sqlite");
-    ASSERT_TRUE(database->RunScript("ALTER TABLE jobs DROP COLUMN definition_sha256").ok());
-    ASSERT_TRUE(database->RunScript("PRAGMA user_version = 1").ok());
-  }
-  Reopen();
-  EXPECT_FALSE((*store_->GetJob("a"))->damaged);
-  ExpectSame(**store_->GetJob("a"), SomeJob("a"));
 }
 
 }  // namespace

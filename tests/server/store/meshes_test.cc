@@ -52,6 +52,24 @@ TEST_F(MeshRecords, TouchMovesTheExpiryOnlyLater) {
             mesh.expire_time + absl::Seconds(1));
 }
 
+TEST_F(MeshRecords, ManyAreTouchedInOneStep) {
+  std::vector<std::string> touched;
+  for (int i = 0; i < 100; ++i) {
+    const MeshRecord mesh = SomeMesh("ann", std::to_string(i));
+    ASSERT_TRUE(store_->PutMesh(mesh).ok());
+    touched.push_back(mesh.sha256);
+  }
+  const MeshRecord other = SomeMesh("bob", "0");
+  ASSERT_TRUE(store_->PutMesh(other).ok());
+  touched.push_back(Digest("of nobody"));
+  ASSERT_TRUE(store_->TouchMeshes("ann", touched, At(1e6)).ok());
+  touched.pop_back();
+  for (const std::string& sha256 : touched) {
+    EXPECT_EQ(store_->GetMesh("ann", sha256)->value().expire_time, At(1e6));
+  }
+  EXPECT_EQ(store_->GetMesh("bob", other.sha256)->value().expire_time, other.expire_time);
+}
+
 TEST_F(MeshRecords, BytesAreSummedPerOwner) {
   ASSERT_TRUE(store_->PutMesh(SomeMesh("ann", "123")).ok());
   ASSERT_TRUE(store_->PutMesh(SomeMesh("ann", "12345")).ok());
@@ -105,9 +123,10 @@ TEST_F(MeshRecords, ExpireOnceTheirTimeHasPassed) {
     mesh.expire_time = At(i);
     ASSERT_TRUE(store_->PutMesh(mesh).ok());
   }
-  EXPECT_THAT(*store_->ExpiredMeshes(At(1), 10), IsEmpty());
-  EXPECT_THAT(Digests(*store_->ExpiredMeshes(At(3), 10)), ElementsAre(Digest("1"), Digest("2")));
-  EXPECT_THAT(Digests(*store_->ExpiredMeshes(At(9), 1)), ElementsAre(Digest("1")));
+  EXPECT_THAT(*store_->DropExpiredMeshes(At(1), 10), IsEmpty());
+  EXPECT_THAT(Digests(*store_->DropExpiredMeshes(At(9), 1)), ElementsAre(Digest("1")));
+  EXPECT_THAT(Digests(*store_->DropExpiredMeshes(At(3), 10)), ElementsAre(Digest("2")));
+  EXPECT_THAT(Digests(store_->ListMeshes("ann", 10, "")->records), ElementsAre(Digest("3")));
 }
 
 TEST_F(MeshRecords, DoNotExpireWhileAJobOfTheOwnerNeedsThem) {
@@ -116,13 +135,13 @@ TEST_F(MeshRecords, DoNotExpireWhileAJobOfTheOwnerNeedsThem) {
   ASSERT_TRUE(store_->PutMesh(mesh).ok());
   const JobRecord job = SomeJob("a");
   ASSERT_TRUE(store_->AddJob(job).ok());
-  EXPECT_THAT(*store_->ExpiredMeshes(At(2), 10), IsEmpty());
+  EXPECT_THAT(*store_->DropExpiredMeshes(At(2), 10), IsEmpty());
   EXPECT_THAT(*store_->IdleMeshes("ann"), IsEmpty());
   ASSERT_TRUE(store_->MarkCancelling("a").ok());
-  EXPECT_THAT(*store_->ExpiredMeshes(At(2), 10), IsEmpty());
+  EXPECT_THAT(*store_->DropExpiredMeshes(At(2), 10), IsEmpty());
   ASSERT_TRUE(store_->EndJob(Ended(job), "").ok());
-  EXPECT_THAT(Digests(*store_->ExpiredMeshes(At(2), 10)), ElementsAre(mesh.sha256));
   EXPECT_THAT(Digests(*store_->IdleMeshes("ann")), ElementsAre(mesh.sha256));
+  EXPECT_THAT(Digests(*store_->DropExpiredMeshes(At(2), 10)), ElementsAre(mesh.sha256));
 }
 
 TEST_F(MeshRecords, IdleOnesComeLeastLatelyUsedFirst) {

@@ -27,9 +27,12 @@ class Opening : public testing::Test {
     for (int i = 0; i < count; ++i) {
       const JobRecord job = SomeJob(std::to_string(i), At(i));
       ASSERT_TRUE(store->AddJob(job).ok());
-      ASSERT_TRUE(store->EndJob(Ended(job), std::string(10000, 'h')).ok());
+      ASSERT_TRUE(store->EndJob(Ended(job), HistoryOf(job.id)).ok());
     }
   }
+
+  // Of each job another, as equal ones are stored once.
+  static std::string HistoryOf(const std::string& id) { return std::string(10000, 'h') + id; }
 
   // The error names the directory as it was given; the damaged file is left as it is.
   void ExpectDamageIsReported() {
@@ -48,9 +51,9 @@ class Opening : public testing::Test {
     for (const std::string& id : Ids(store.ListJobs({}, 1000, "")->records)) {
       const auto history = store.GetHistory(id);
       if (history.ok()) {
-        EXPECT_EQ(*history, std::string(10000, 'h'));
+        EXPECT_EQ(*history, HistoryOf(id));
       } else {
-        ExpectError(history.status(), absl::StatusCode::kInternal, "STORAGE_FAILED");
+        ExpectError(history.status(), absl::StatusCode::kDataLoss, "STORAGE_FAILED");
         ++damaged;
       }
     }

@@ -19,9 +19,19 @@ test.each([
   [['--tls-cert', 'a.pem']],
   [['--server', '10.0.0.1:50051']],
   [['--server', 'nowhere']],
+  [['--max-message-mib', '0']],
+  [['--max-message-mib', '1.5']],
+  [['--max-message-mib', '4096']],
   [['--colour', 'red']],
 ])('Options.%j is refused', (args) => {
   expect(() => parse(...args)).toThrow(UsageError);
+});
+
+test('Options.What is under way has room for two of the largest messages', () => {
+  expect(parse('--max-message-mib', '3')).toMatchObject({
+    maxMessageBytes: 3 * 1024 * 1024,
+    maxBytesUnderWay: 6 * 1024 * 1024,
+  });
 });
 
 test('Options.Other machines may connect when that is said', () => {

@@ -1,9 +1,22 @@
-import { create } from '@bufbuild/protobuf';
+import { create, fromBinary, toBinary } from '@bufbuild/protobuf';
 import { expect, test } from 'vitest';
-import { CurvatureDensity_Measure, Energy, JobSchema, SamplingMethod } from '@api/job_pb';
+import {
+  CurvatureDensity_Measure,
+  Energy,
+  JobSchema,
+  SamplingMethod,
+  SamplingOptionsSchema,
+} from '@api/job_pb';
 import { CreateJobRequestSchema } from '@api/sampling_service_pb';
 import { jobRequest, parseLabels } from '../../../client/web/src/job/job_request';
-import { DEFAULT_VALUES, type OptionValues } from '../../../client/web/src/job/option_fields';
+import {
+  DEFAULT_VALUES,
+  OPTION_GROUPS,
+  type OptionValues,
+} from '../../../client/web/src/job/option_fields';
+import { DENSITY_SCHEMAS, ENUMS } from '../../../client/web/src/job/option_messages';
+import { TABLE, TABLE_NAMES } from '../../../client/web/src/job/option_table';
+import { referenceOptions } from '../../../client/web/src/job/reference_options';
 import { valuesOf } from '../../../client/web/src/job/values_of_job';
 
 function build(values: Partial<OptionValues>) {
@@ -58,6 +71,85 @@ test('JobRequest.Every option arrives', () => {
       value: { measure: CurvatureDensity_Measure.MAXIMUM, exponent: 2, maxContrast: 50 },
     },
   });
+});
+
+const NUMBERS = TABLE_NAMES.flatMap((name) => {
+  const option = TABLE[name];
+  return option.kind === 'number' ? [{ name, option }] : [];
+});
+
+// In their ranges, and none a default.
+const numbers = Object.fromEntries(
+  NUMBERS.map(({ name, option }) => [name, String((option.least ?? 0) + 3)]),
+);
+
+test('JobRequest.Every number of the table arrives and comes back', () => {
+  const values = { ...numbers, density: 'curvature' };
+  const options = optionsOf(values);
+  if (!options) throw new Error('no options');
+  // Refuses values that are not of a field's type.
+  const sent = fromBinary(SamplingOptionsSchema, toBinary(SamplingOptionsSchema, options));
+  const job = create(JobSchema, { effectiveOptions: sent });
+  expect(valuesOf(job)).toEqual({ ...DEFAULT_VALUES, ...values });
+});
+
+test('JobRequest.Numbers at the ends of their ranges are taken as the table says', () => {
+  for (const { name, option } of NUMBERS) {
+    for (const [end, has] of [[option.least, option.hasLeast], [option.most, option.hasMost]] as const) {
+      if (end === undefined) continue;
+      const built = build({ density: 'curvature', [name]: String(end) });
+      const wrong = 'errors' in built ? built.errors.map((e) => e.field) : [];
+      expect(wrong, `${name} ${end}`).toEqual(has ? [] : [name]);
+    }
+    const built = build({ density: 'curvature', [name]: String((option.least ?? 0) - 1) });
+    const message = 'errors' in built ? built.errors[0]?.message : undefined;
+    expect(message, name).toContain(option.range);
+  }
+});
+
+test('JobRequest.Whole numbers that no field holds are refused', () => {
+  for (const [field, text] of [['seed', '18446744073709551616'], ['maxIterations', '2147483648']]) {
+    const built = build({ [field as string]: text });
+    expect('errors' in built && built.errors.map((e) => e.field)).toEqual([field]);
+  }
+});
+
+test('JobRequest.Every choice of the table is a value of the API', () => {
+  for (const name of TABLE_NAMES) {
+    const option = TABLE[name];
+    if (option.kind !== 'choice') continue;
+    const known = name === 'density' ? ['uniform', ...Object.keys(DENSITY_SCHEMAS)] : Object.keys(ENUMS[name] ?? {});
+    expect(known.sort(), name).toEqual(option.choices.map(([value]) => value).sort());
+  }
+});
+
+test('JobRequest.Fields that make no difference are not judged', () => {
+  const built = build({ method: 'white', creaseAngle: '500', exponent: '9' });
+  expect('errors' in built).toBe(false);
+});
+
+test('OptionGroups.Form has every option of the table with its range', () => {
+  const fields = OPTION_GROUPS.flatMap((group) => group.fields);
+  expect(fields.map((f) => f.name)).toEqual(expect.arrayContaining(TABLE_NAMES));
+  expect(fields.find((f) => f.name === 'creaseAngle')?.help).toContain('in (0, 180) degrees');
+  expect(fields.find((f) => f.name === 'exponent')?.placeholder).toBe('1');
+});
+
+test('ReferenceOptions.Have what changes the samples of every method', () => {
+  const options = optionsOf({ ...numbers, density: 'curvature', energy: 'squared-area' });
+  if (!options) throw new Error('no options');
+  const reference = referenceOptions(options, SamplingMethod.WHITE_NOISE);
+  expect(reference).toMatchObject({
+    sampleCount: options.sampleCount,
+    seed: options.seed,
+    weldTolerance: options.weldTolerance,
+    density: options.density,
+    method: SamplingMethod.WHITE_NOISE,
+  });
+  expect(reference.energy).toBe(Energy.UNSPECIFIED);
+  expect(reference.creaseAngleRadians).toBeUndefined();
+  expect(reference.maxIterations).toBeUndefined();
+  expect(reference.timeLimit).toBeUndefined();
 });
 
 test('JobRequest.Methods other than CCST send none of its options', () => {

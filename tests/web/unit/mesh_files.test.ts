@@ -2,6 +2,7 @@ import { createDecoderModule, createEncoderModule } from 'draco3d';
 import { expect, test } from 'vitest';
 import { decodeDraco, encodeDraco } from '../../../client/web/src/mesh/draco';
 import { plyScalars, readMesh } from '../../../client/web/src/mesh/read_mesh';
+import { withoutUnusedVertices } from '../../../client/web/src/mesh/surface_checks';
 import { MeshFileError } from '../../../client/web/src/mesh/surface_mesh';
 import { asObj, asOff, torus } from '../support/meshes';
 
@@ -66,4 +67,52 @@ test('Draco.Mesh comes back bit for bit and in order', async () => {
 test('Draco.Bytes that are none are refused', async () => {
   const draco = await createDecoderModule();
   expect(() => decodeDraco(draco, bytes('not a mesh at all'))).toThrow(MeshFileError);
+});
+
+/** A copy of `values` with another value at `index`. */
+function changed(values: Float32Array, index: number, value: number): Float32Array {
+  const copy = values.slice();
+  copy[index] = value;
+  return copy;
+}
+
+/** A triangle whose corners are vertices 2, 5 and 8 of nine, with numbers at all of them. */
+const sparse = {
+  positions: Float32Array.from({ length: 27 }, (_, i) => Math.sin(i)),
+  indices: Uint32Array.of(8, 2, 5),
+  uvs: Float32Array.from({ length: 18 }, (_, i) => i / 18),
+  attributes: [{ name: 'heat', size: 1, values: Float32Array.from({ length: 9 }, (_, i) => 10 * i) }],
+};
+
+test('Draco.Mesh with more vertices than corners comes back without those of no face', async () => {
+  const encoded = encodeDraco(await createEncoderModule(), sparse);
+  const decoded = decodeDraco(await createDecoderModule(), encoded);
+  expect(decoded.positions.length).toBe(9);
+  expect(corners(decoded)).toEqual(corners(sparse));
+});
+
+test('Draco.Vertices of no face stay where there is room, for the server to count', async () => {
+  const positions = Float32Array.from([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 7, 7, 7]);
+  const surface = { positions, indices: Uint32Array.of(0, 1, 2, 0, 2, 3), attributes: [] };
+  const encoded = encodeDraco(await createEncoderModule(), surface);
+  expect([...decodeDraco(await createDecoderModule(), encoded).positions]).toEqual([...positions]);
+});
+
+test('UnusedVertices.Left out ones take their numbers with them', () => {
+  expect(withoutUnusedVertices(sparse)).toEqual({
+    positions: Float32Array.from([6, 7, 8, 15, 16, 17, 24, 25, 26], Math.sin),
+    indices: Uint32Array.of(2, 0, 1),
+    uvs: Float32Array.from([4, 5, 10, 11, 16, 17], (i) => i / 18),
+    attributes: [{ name: 'heat', size: 1, values: Float32Array.of(20, 50, 80) }],
+  });
+});
+
+test.each([
+  ['a corner that is not there', { ...sparse, indices: Uint32Array.of(0, 1, 2, 3, 4, 9) }, /triangle 1 .* the 9 vertices/],
+  ['no number', { ...sparse, positions: changed(sparse.positions, 4, NaN) }, /vertex 1 .* 32-bit float/],
+  ['too large a number', { ...sparse, positions: changed(sparse.positions, 26, 1e39) }, /vertex 8 .* 32-bit float/],
+])('Draco.Mesh with %s is refused with its place', async (_, surface, words) => {
+  const draco = await createEncoderModule();
+  expect(() => encodeDraco(draco, surface)).toThrow(MeshFileError);
+  expect(() => encodeDraco(draco, surface)).toThrow(words);
 });

@@ -108,6 +108,11 @@ export const ADVICE_BY_REASON: Record<string, Advice> = {
     title: 'The computation needs more memory than there is',
     advice: 'Ask for fewer samples or reduce the mesh.',
   },
+  TIME_LIMIT_EXCEEDED: {
+    title: 'There was not enough time',
+    advice:
+      'The time limit passed before there were samples. Allow more time, ask for fewer samples, or reduce the mesh.',
+  },
   DRAINING: {
     title: 'The server is going away',
     advice: 'It takes no new jobs; stored ones go on when it is back. The page reconnects by itself.',

@@ -1,14 +1,18 @@
-import type { MessageInitShape } from '@bufbuild/protobuf';
-import {
-  CurvatureDensity_Measure,
-  Energy,
-  SamplingMethod,
-  type SamplingOptionsSchema,
-} from '@api/job_pb';
+import { create, type DescMessage, type Message, type MessageInitShape } from '@bufbuild/protobuf';
+import { SamplingOptionsSchema, type SamplingOptions } from '@api/job_pb';
 import type { CreateJobRequestSchema } from '@api/sampling_service_pb';
-import type { OptionName, OptionValues } from './option_fields';
+import { isInUse, type OptionName, type OptionValues } from './option_fields';
+import {
+  DENSITY_SCHEMAS,
+  ENUMS,
+  fitsField,
+  optionsOf,
+  setField,
+  setNumber,
+  type DensityCase,
+} from './option_messages';
+import { isInRange, TABLE, type NumberOption, type TableName } from './option_table';
 
-type OptionsInit = MessageInitShape<typeof SamplingOptionsSchema>;
 export type JobRequest = MessageInitShape<typeof CreateJobRequestSchema>;
 
 /** A field that cannot be sent as it is, and what would be right. */
@@ -17,22 +21,6 @@ export interface FieldError {
   message: string;
 }
 
-export const METHODS: Record<string, SamplingMethod> = {
-  ccst: SamplingMethod.CCST,
-  white: SamplingMethod.WHITE_NOISE,
-  poisson: SamplingMethod.POISSON_DISK,
-  elimination: SamplingMethod.SAMPLE_ELIMINATION,
-  lloyd: SamplingMethod.LLOYD,
-  ccvt: SamplingMethod.CCVT,
-};
-
-const MEASURES: Record<string, CurvatureDensity_Measure> = {
-  gaussian: CurvatureDensity_Measure.GAUSSIAN,
-  mean: CurvatureDensity_Measure.MEAN,
-  maximum: CurvatureDensity_Measure.MAXIMUM,
-};
-
-// Where the server's own check is the judge, the form only asks for a number.
 const WHOLE = /^\d+$/;
 
 /** Reads `KEY=VALUE` pairs apart by blanks or commas. */
@@ -46,52 +34,60 @@ export function parseLabels(text: string): Record<string, string> | undefined {
   return Object.keys(labels).length <= 16 ? labels : undefined;
 }
 
+// Reads the form into messages. What is empty, or makes no difference beside the rest, is left out.
 class Reader {
   readonly errors: FieldError[] = [];
   constructor(private readonly values: OptionValues) {}
 
-  whole(field: Exclude<OptionName, 'image'>, least: bigint): bigint | undefined {
-    const text = this.values[field].trim();
-    if (text === '') return undefined;
-    if (WHOLE.test(text) && BigInt(text) >= least) return BigInt(text);
-    this.fail(field, `a whole number, at least ${least}`);
-    return undefined;
-  }
-
-  number(field: Exclude<OptionName, 'image'>, what: string, right: (x: number) => boolean) {
-    const text = this.values[field].trim();
-    if (text === '') return undefined;
-    const value = Number(text);
-    if (Number.isFinite(value) && right(value)) return value;
-    this.fail(field, what);
-    return undefined;
+  /** Sets the fields of `message` that the form has. */
+  read(schema: DescMessage, message: Message): void {
+    for (const { name, field } of optionsOf(schema)) {
+      if (!isInUse(name, this.values)) continue;
+      const option = TABLE[name];
+      if (option.kind === 'image') {
+        if (!this.values.image) this.fail(name, 'a PNG or JPEG');
+        setField(message, field, this.values.image ?? new Uint8Array());
+        continue;
+      }
+      const text = this.values[name as Exclude<TableName, 'image'>].trim();
+      if (option.kind === 'number') {
+        const value = this.number(name, option, text);
+        if (value === undefined) continue;
+        if (typeof value === 'number' || fitsField(field, value)) setNumber(message, field, value);
+        else this.fail(name, 'a smaller number');
+      } else if (option.kind === 'choice') {
+        setField(message, field, ENUMS[name]?.[text] ?? 0);
+      } else if (option.kind === 'switch') {
+        setField(message, field, text === 'on');
+      } else {
+        if (text === '') this.fail(name, `the ${option.label.toLowerCase()}`);
+        setField(message, field, text);
+      }
+    }
   }
 
   fail(field: OptionName, message: string): void {
     this.errors.push({ field, message });
   }
+
+  // In the units of the API.
+  private number(name: TableName, option: NumberOption, text: string): number | bigint | undefined {
+    if (text === '') return undefined;
+    const value = Number(text);
+    if ((!option.whole || WHOLE.test(text)) && Number.isFinite(value) && isInRange(option, value)) {
+      return option.whole ? BigInt(text) : (value * option.times) / option.over;
+    }
+    this.fail(name, `a ${option.whole ? 'whole number' : 'number'} that is ${option.range}`);
+    return undefined;
+  }
 }
 
-function setDensity(options: OptionsInit, values: OptionValues, reader: Reader): void {
+function readDensity(options: SamplingOptions, values: OptionValues, reader: Reader): void {
   if (values.density === 'uniform') return;
-  const shape: { exponent?: number; maxContrast?: number } = {};
-  const exponent = reader.number('exponent', 'a number from 0 to 4', (x) => x >= 0 && x <= 4);
-  const contrast = reader.number('contrast', 'a number over 1, at most 1e6', (x) => x > 1 && x <= 1e6);
-  if (exponent !== undefined) shape.exponent = exponent;
-  if (contrast !== undefined) shape.maxContrast = contrast;
-  if (values.density === 'curvature') {
-    const measure = MEASURES[values.curvature] ?? CurvatureDensity_Measure.GAUSSIAN;
-    options.density = { case: 'curvature', value: { measure, ...shape } };
-  } else if (values.density === 'attribute') {
-    const attributeName = values.attribute.trim();
-    if (attributeName === '') reader.fail('attribute', 'the name of an attribute of the mesh');
-    options.density = { case: 'attribute', value: { attributeName, ...shape } };
-  } else {
-    if (!values.image) reader.fail('image', 'a PNG or JPEG');
-    const image = values.image ?? new Uint8Array();
-    const brightIsDense = values.brightIsDense === 'on';
-    options.density = { case: 'texture', value: { image, brightIsDense, ...shape } };
-  }
+  const kind = values.density as DensityCase;
+  const value = create(DENSITY_SCHEMAS[kind] as DescMessage);
+  reader.read(DENSITY_SCHEMAS[kind], value);
+  options.density = { case: kind, value } as SamplingOptions['density'];
 }
 
 /**
@@ -104,30 +100,10 @@ export function jobRequest(
   requestId: string,
 ): { request: JobRequest } | { errors: FieldError[] } {
   const reader = new Reader(values);
-  const ccst = values.method === 'ccst';
-  const options: OptionsInit = {
-    method: METHODS[values.method] ?? SamplingMethod.CCST,
-  };
-  const count = reader.whole('count', 4n);
-  if (count === undefined && reader.errors.length === 0) reader.fail('count', 'how many samples');
-  if (count !== undefined) options.sampleCount = count;
-  const seed = reader.whole('seed', 0n);
-  if (seed !== undefined) options.seed = seed;
-  setDensity(options, values, reader);
-  const iterations = reader.whole('maxIterations', 0n);
-  if (iterations !== undefined) options.maxIterations = Number(iterations);
-  const tolerance = reader.number('tolerance', 'a number over 0', (x) => x > 0);
-  if (tolerance !== undefined) options.relativeTolerance = tolerance;
-  const limit = reader.number('timeLimit', 'seconds, over 0', (x) => x > 0);
-  if (limit !== undefined) {
-    const whole = Math.floor(limit);
-    options.timeLimit = { seconds: BigInt(whole), nanos: Math.round((limit - whole) * 1e9) };
-  }
-  const weld = reader.number('weldTolerance', 'a length, 0 or more', (x) => x >= 0);
-  if (weld !== undefined) options.weldTolerance = weld;
-  const crease = reader.number('creaseAngle', 'degrees over 0, under 180', (x) => x > 0 && x < 180);
-  if (ccst && crease !== undefined) options.creaseAngleRadians = (crease * Math.PI) / 180;
-  if (ccst && values.energy === 'squared-area') options.energy = Energy.SQUARED_AREA;
+  const options = create(SamplingOptionsSchema);
+  if (values.count.trim() === '') reader.fail('count', 'how many samples');
+  reader.read(SamplingOptionsSchema, options);
+  readDensity(options, values, reader);
 
   const labels = parseLabels(values.labels);
   if (!labels) reader.fail('labels', 'KEY=VALUE pairs, at most 16, for example project=x');

@@ -1,9 +1,38 @@
-import { CurvatureDensity_Measure, Energy, type Job } from '@api/job_pb';
-import { METHODS } from './job_request';
+import type { DescMessage, Message } from '@bufbuild/protobuf';
+import { SamplingOptionsSchema, type Job } from '@api/job_pb';
 import { DEFAULT_VALUES, type OptionValues } from './option_fields';
-import { seconds } from './run_history';
+import { DENSITY_SCHEMAS, ENUMS, getField, optionsOf } from './option_messages';
+import { TABLE, type TableName, type TableOption } from './option_table';
 
-const text = (value: number | bigint | undefined) => (value === undefined ? '' : String(value));
+// More than people type, and fewer than show that degrees were radians on the way.
+const SHOWN_DIGITS = 12;
+
+// A field's value as the form shows it; empty where it shows none.
+function textOf(name: TableName, option: TableOption, value: unknown): string | undefined {
+  switch (option.kind) {
+    case 'number': {
+      const { times, over } = option;
+      if (times === over) return String(value);
+      return String(Number(((Number(value) * over) / times).toPrecision(SHOWN_DIGITS)));
+    }
+    case 'choice':
+      return Object.entries(ENUMS[name] ?? {}).find(([, number]) => number === value)?.[0];
+    case 'switch':
+      return value === true ? 'on' : '';
+    case 'text':
+      return String(value);
+    case 'image':
+      return undefined;
+  }
+}
+
+function take(schema: DescMessage, message: Message, values: OptionValues): void {
+  for (const { name, field } of optionsOf(schema)) {
+    const value = getField(message, field);
+    const text = value === undefined ? undefined : textOf(name, TABLE[name], value);
+    if (text !== undefined) Object.assign(values, { [name]: text });
+  }
+}
 
 /** The options of a job as the form shows them, to run it again with changes. Images are not kept. */
 export function valuesOf(job: Job): OptionValues {
@@ -12,31 +41,13 @@ export function valuesOf(job: Job): OptionValues {
   const { density } = options;
   const values: OptionValues = {
     ...DEFAULT_VALUES,
-    count: text(options.sampleCount),
-    seed: text(options.seed),
-    method: Object.keys(METHODS).find((name) => METHODS[name] === options.method) ?? 'ccst',
     density: density.case ?? 'uniform',
-    energy: options.energy === Energy.SQUARED_AREA ? 'squared-area' : 'target',
-    maxIterations: text(options.maxIterations),
-    tolerance: text(options.relativeTolerance),
-    timeLimit: text(seconds(options.timeLimit)),
-    weldTolerance: options.weldTolerance > 0 ? text(options.weldTolerance) : '',
     displayName: job.displayName,
     labels: Object.entries(job.labels)
       .map(([key, value]) => `${key}=${value}`)
       .join(' '),
   };
-  if (options.creaseAngleRadians !== undefined) {
-    values.creaseAngle = Number(((options.creaseAngleRadians * 180) / Math.PI).toPrecision(6)).toString();
-  }
-  if (density.case === undefined) return values;
-  values.exponent = text(density.value.exponent);
-  values.contrast = text(density.value.maxContrast);
-  if (density.case === 'attribute') values.attribute = density.value.attributeName;
-  if (density.case === 'texture') values.brightIsDense = density.value.brightIsDense ? 'on' : '';
-  if (density.case === 'curvature') {
-    const name = CurvatureDensity_Measure[density.value.measure]?.toLowerCase() ?? '';
-    values.curvature = ['mean', 'maximum'].includes(name) ? name : 'gaussian';
-  }
+  take(SamplingOptionsSchema, options, values);
+  if (density.case !== undefined) take(DENSITY_SCHEMAS[density.case], density.value, values);
   return values;
 }

@@ -8,6 +8,7 @@ import type {
   Status,
 } from 'draco3d';
 import { MeshFileError, type SurfaceMesh } from './surface_mesh';
+import { checkSurface, withoutUnusedVertices } from './surface_checks';
 
 // The published types leave these out.
 type ArrayDecoder = Decoder & {
@@ -19,9 +20,14 @@ type Builder = MeshBuilder & {
 
 /**
  * Encodes a mesh without loss: faces in their order, coordinates as they are. `bits` in [1, 24] rounds
- * positions to so many bits instead; 0 does not.
+ * positions to so many bits instead; 0 does not. Draco's decoders refuse a mesh with more vertices than
+ * its faces have corners: then vertices of no face are left out, as the command does.
+ * @throws MeshFileError
  */
-export function encodeDraco(draco: EncoderModule, surface: SurfaceMesh, bits = 0): Uint8Array {
+export function encodeDraco(draco: EncoderModule, given: SurfaceMesh, bits = 0): Uint8Array {
+  checkSurface(given);
+  const fits = given.positions.length / 3 <= given.indices.length;
+  const surface = fits ? given : withoutUnusedVertices(given);
   const vertices = surface.positions.length / 3;
   const mesh = new draco.Mesh();
   const builder = new draco.MeshBuilder() as Builder;

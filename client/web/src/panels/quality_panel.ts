@@ -9,9 +9,9 @@ import { QUALITY_FIGURES } from '../job/quality_figures';
 import {
   analyzeWhenEnded,
   canHaveReferences,
+  ensureReference,
   findReferences,
   REFERENCE_METHODS,
-  startReference,
 } from '../job/reference_jobs';
 import { idOf } from '../job/words';
 import { find, Painter } from '../ui/dom';
@@ -61,12 +61,10 @@ export class QualityPanel {
       this.drawCurves();
       this.table.later();
       const found = await findReferences(job, this.signal);
-      await Promise.all(
-        REFERENCE_METHODS.map(async ({ method, title }) => {
-          const reference = found.get(method);
-          if (reference) await this.addColumn(title, reference);
-        }),
-      );
+      await this.attemptEach(async ({ method, title }) => {
+        const reference = found.get(method);
+        if (reference) await this.addColumn(title, reference);
+      });
     });
   }
 
@@ -74,14 +72,12 @@ export class QualityPanel {
     const { job } = this;
     if (!job) return;
     this.starting = true;
+    this.error = undefined;
     this.table.now();
-    await this.attempt(() =>
-      Promise.all(
-        REFERENCE_METHODS.filter((r) => !this.columns.some((c) => c.title === r.title)).map(
-          async ({ method, title }) => this.addColumn(title, await startReference(job, method, title)),
-        ),
-      ),
-    );
+    await this.attemptEach(async ({ method, title }) => {
+      if (this.columns.some((c) => c.title === title)) return;
+      await this.addColumn(title, await ensureReference(job, method, title, this.signal));
+    });
     this.starting = false;
     this.table.later();
   }
@@ -92,15 +88,25 @@ export class QualityPanel {
     const order = ['This job', ...REFERENCE_METHODS.map((r) => r.title)];
     this.columns.sort((a, b) => order.indexOf(a.title) - order.indexOf(b.title));
     this.table.later();
-    column.report = await analyzeWhenEnded(job, this.signal);
+    try {
+      column.report = await analyzeWhenEnded(job, this.signal);
+    } catch (error) {
+      // Without it the button is there again, for another try.
+      this.columns = this.columns.filter((c) => c !== column);
+      throw error;
+    }
     this.drawCurves();
     this.table.later();
+  }
+
+  /** Works on all methods at once; one that fails is told of and does not stop the other. */
+  private async attemptEach(work: (reference: (typeof REFERENCE_METHODS)[number]) => Promise<void>): Promise<void> {
+    await Promise.all(REFERENCE_METHODS.map((reference) => this.attempt(() => work(reference))));
   }
 
   private async attempt(work: () => Promise<unknown>): Promise<void> {
     try {
       await work();
-      this.error = undefined;
     } catch (error) {
       if (this.signal.aborted) return;
       this.error = explain(error);

@@ -1,0 +1,108 @@
+#include "tests/support/whole_job.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <new>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+#include "tests/support/memory_meter.h"
+
+namespace ccst::test {
+namespace {
+
+/// What is wrong with a refusal.
+std::string FaultOf(const absl::Status& status) {
+  const std::optional<ErrorReason> reason = GetErrorReason(status);
+  const auto lies_in_request = [&] {
+    switch (*reason) {
+      case ErrorReason::kOptionInvalid:
+      case ErrorReason::kMeshEmpty:
+      case ErrorReason::kMeshDegenerate:
+      case ErrorReason::kDensityInvalid:
+      case ErrorReason::kCountTooSmall:
+      case ErrorReason::kLimitExceeded:
+        return true;
+      default:
+        return false;
+    }
+  };
+  if (absl::IsInvalidArgument(status) && reason.has_value() && lies_in_request() &&
+      !status.message().empty()) {
+    return "";
+  }
+  return absl::StrCat("it was refused so: ", status.ToString());
+}
+
+std::string FaultOf(const TriangleMesh& mesh, std::int64_t count, const SamplingResult& result) {
+  if (result.termination == Termination::kTimeLimit) return "it did not come to an end";
+  const SampleSet& set = result.samples;
+  const auto n = static_cast<std::size_t>(count);
+  if (set.faces.size() != n || set.barycentrics.size() != n || set.positions.size() != n ||
+      set.normals.size() != n) {
+    return absl::StrCat(set.positions.size(), " samples instead of ", count);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (set.faces[i] < 0 || set.faces[i] >= static_cast<std::int64_t>(mesh.faces.size())) {
+      return absl::StrCat("sample ", i, " has no host");
+    }
+    const double u = set.barycentrics[i][0];
+    const double v = set.barycentrics[i][1];
+    if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0)) {
+      return absl::StrCat("sample ", i, " lies outside its host: ", u, ", ", v);
+    }
+    const Eigen::Vector3i& face = mesh.faces[set.faces[i]];
+    const Eigen::Vector3d place = u * mesh.positions[face[0]] + v * mesh.positions[face[1]] +
+                                  (1.0 - u - v) * mesh.positions[face[2]];
+    double size = 0.0;
+    for (int k = 0; k < 3; ++k) size = std::max(size, mesh.positions[face[k]].stableNorm());
+    if (!((place - set.positions[i]).stableNorm() <= 1e-12 * size)) {
+      return absl::StrCat("sample ", i, " is not where its host says");
+    }
+    if (!(std::abs(set.normals[i].norm() - 1.0) < 1e-9)) {
+      return absl::StrCat("normal ", i, " is no unit vector");
+    }
+  }
+  for (const Eigen::Vector3i& t : set.triangles) {
+    if (t.minCoeff() < 0 || t.maxCoeff() >= count || t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+      return "a triangle does not join three samples";
+    }
+  }
+  if (!std::isfinite(result.energy) || !std::isfinite(result.capacity_cv) ||
+      !std::isfinite(result.relative_radius)) {
+    return absl::StrCat("its figures are energy ", result.energy, ", capacity_cv ",
+                        result.capacity_cv, ", relative_radius ", result.relative_radius);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string FindMisbehaviour(const TriangleMesh& mesh, SamplingOptions options,
+                             const JobBounds& bounds) {
+  using Clock = std::chrono::steady_clock;
+  options.time_limit_seconds = bounds.seconds;
+  std::optional<absl::StatusOr<SamplingResult>> result;
+  std::int64_t peak = 0;
+  const Clock::time_point start = Clock::now();
+  {
+    const MemoryMeter meter(bounds.bytes);
+    try {
+      result = SampleSurface(mesh, options);
+    } catch (const std::bad_alloc&) {
+      return absl::StrCat("it wants more than ", bounds.bytes, " bytes, ", meter.PeakBytes(),
+                          " of which it has");
+    }
+    peak = meter.PeakBytes();
+  }
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  // Whoever looks at the limit often enough ends soon after it.
+  if (seconds > 1.5 * bounds.seconds) return absl::StrCat("it took ", seconds, " s");
+  const std::string fault =
+      result->ok() ? FaultOf(mesh, options.sample_count, **result) : FaultOf(result->status());
+  return fault.empty() ? "" : absl::StrCat(fault, " (", seconds, " s, ", peak, " bytes)");
+}
+
+}  // namespace ccst::test
