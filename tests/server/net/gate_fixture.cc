@@ -128,14 +128,17 @@ void GateFixture::UseTls(bool of_callers) {
   if (of_callers) options_.tls.client_ca = folder_.Write("ca", authority_.certificate);
 }
 
-TestCaller GateFixture::Connect() const {
+FileDescriptor GateFixture::NewSocket() {
+  return FileDescriptor(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+}
+
+TestCaller GateFixture::Connect(FileDescriptor socket) const {
   sockaddr_in place = {};
   place.sin_family = AF_INET;
   const std::string& address = gate_->address();
   place.sin_port =
       htons(static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1))));
   inet_pton(AF_INET, "127.0.0.1", &place.sin_addr);
-  FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   EXPECT_EQ(connect(socket.get(), reinterpret_cast<sockaddr*>(&place), sizeof place), 0);
   return TestCaller(std::move(socket));
 }

@@ -61,7 +61,8 @@ class GateFixture : public testing::Test {
   /// With a certificate for the server, and one needed of callers if so.
   void UseTls(bool of_callers);
 
-  TestCaller Connect() const;
+  static FileDescriptor NewSocket();
+  TestCaller Connect(FileDescriptor socket = NewSocket()) const;
   TestCaller ConnectToProxySocket() const;
 
   /// Waits until the condition holds; false when it does not within 20 s.

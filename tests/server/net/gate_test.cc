@@ -300,22 +300,19 @@ TEST_F(GateTest, WithoutDescriptorsConnectionsAreTurnedAwayAndThenServedAgain) {
   Start(Echo);
   rlimit before = {};
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
-  std::vector<TestCaller> callers;
-  {
-    // No number is left but those of the callers' own ends.
-    const FileDescriptor probe(dup(0));
-    const rlimit few = {.rlim_cur = static_cast<rlim_t>(probe.get()) + 12,
-                        .rlim_max = before.rlim_max};
-    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
-  }
-  for (int i = 0; i < 10; ++i) {
-    FileDescriptor test(dup(0));
-    if (!test.is_open()) break;
-    test.Close();
-    callers.push_back(Connect());
-  }
+  // The caller's own end is there before all numbers below the limit are taken.
+  FileDescriptor own_end = NewSocket();
+  const rlimit few = {.rlim_cur = static_cast<rlim_t>(own_end.get()) + 64,
+                      .rlim_max = before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+  std::vector<FileDescriptor> taken;
+  do {
+    taken.emplace_back(dup(0));
+  } while (taken.back().is_open());
+  TestCaller refused = Connect(std::move(own_end));
+  EXPECT_TRUE(refused.SeesTheEnd());
   EXPECT_TRUE(Eventually([this] { return WasCounted("descriptors"); }));
-  callers.clear();
+  taken.clear();
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
   TestCaller next = Connect();
   EXPECT_TRUE(IsServed(next));
