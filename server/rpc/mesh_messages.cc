@@ -14,7 +14,8 @@
 namespace ccst::server {
 namespace {
 
-MeshDigest FromProto(const v1::Digest& digest, const std::string& path, Violations& violations) {
+MeshDigest DigestFromProto(const v1::Digest& digest, const std::string& path,
+                           Violations& violations) {
   if (!IsSha256(digest.sha256())) {
     violations.Add(path + ".sha256", "must be 64 lowercase hexadecimal digits",
                    ErrorReason::kRequestInvalid);
@@ -27,9 +28,9 @@ MeshDigest FromProto(const v1::Digest& digest, const std::string& path, Violatio
   return {.sha256 = digest.sha256(), .size_bytes = digest.size_bytes()};
 }
 
-MeshUpload FromProto(const v1::MeshUploadHeader& header, const std::string& owner,
-                     const MeshStoreOptions& limits, Violations& violations) {
-  MeshDigest digest = FromProto(header.digest(), "header.digest", violations);
+MeshUpload UploadFromProto(const v1::MeshUploadHeader& header, const std::string& owner,
+                           const MeshStoreOptions& limits, Violations& violations) {
+  MeshDigest digest = DigestFromProto(header.digest(), "header.digest", violations);
   if (digest.size_bytes > limits.max_mesh_bytes) {
     violations.AddLimit("header.digest.size_bytes", "max_mesh_bytes", limits.max_mesh_bytes,
                         digest.size_bytes);
@@ -88,7 +89,7 @@ absl::StatusOr<std::vector<MeshDigest>> FromProto(const v1::FindMissingMeshesReq
   digests.reserve(static_cast<std::size_t>(request.digests_size()));
   for (int i = 0; i < request.digests_size(); ++i) {
     digests.push_back(
-        FromProto(request.digests(i), "digests[" + std::to_string(i) + "]", violations));
+        DigestFromProto(request.digests(i), "digests[" + std::to_string(i) + "]", violations));
   }
   CCST_RETURN_IF_ERROR(violations.ToStatus());
   return digests;
@@ -97,7 +98,7 @@ absl::StatusOr<std::vector<MeshDigest>> FromProto(const v1::FindMissingMeshesReq
 absl::StatusOr<MeshUpload> FromProto(const v1::MeshUploadHeader& header, const std::string& owner,
                                      const MeshStoreOptions& limits) {
   Violations violations;
-  MeshUpload upload = FromProto(header, owner, limits, violations);
+  MeshUpload upload = UploadFromProto(header, owner, limits, violations);
   CCST_RETURN_IF_ERROR(violations.ToStatus());
   return upload;
 }
@@ -106,7 +107,7 @@ absl::StatusOr<MeshUpload> FromProto(const v1::CreateMeshRequest& request, const
                                      const MeshStoreOptions& limits,
                                      std::int64_t max_inline_mesh_bytes) {
   Violations violations;
-  MeshUpload upload = FromProto(request.header(), owner, limits, violations);
+  MeshUpload upload = UploadFromProto(request.header(), owner, limits, violations);
   const auto bytes = static_cast<std::int64_t>(request.data().size());
   if (bytes > max_inline_mesh_bytes) {
     violations.AddLimit("data", "max_inline_mesh_bytes", max_inline_mesh_bytes, bytes);
