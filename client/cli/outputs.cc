@@ -24,7 +24,7 @@ SampleFormat SamplesFormat(const std::string& path) {
   return SampleFormatFromPath(path).value_or(SampleFormat::kCsv);
 }
 
-MeshOutputFormat MeshFormat(const std::string& path) {
+MeshOutputFormat MeshFormatOf(const std::string& path) {
   return MeshOutputFormatFromPath(path).value_or(MeshOutputFormat::kObj);
 }
 
@@ -104,7 +104,7 @@ absl::Status WriteOutputs(const OutputPaths& paths, const TriangleMesh& surface,
   if (!paths.mesh_path.empty()) {
     CCST_ASSIGN_OR_RETURN(contents,
                           EncodeMesh({samples.positions, samples.triangles, samples.attributes},
-                                     MeshFormat(paths.mesh_path)));
+                                     MeshFormatOf(paths.mesh_path)));
     files.emplace_back(paths.mesh_path, std::move(contents));
   }
   if (!paths.picture_path.empty()) {
