@@ -128,6 +128,9 @@ Server::~Server() {
   StopTakingCallers();
   if (server_ != nullptr) server_->Shutdown(std::chrono::system_clock::now() + kShutdownGrace);
   gate_.reset();
+  // In this order: the last tasks of calls, which the backend runs, use their services.
+  server_.reset();
+  backend_.reset();
 }
 
 void Server::StopTakingCallers() {
