@@ -18,10 +18,7 @@
 #include "core/mesh/attributes.h"
 #include "core/parallel/parallel.h"
 #include "core/quality/distances.h"
-#include "core/sampling/input/crease_refinement.h"
-#include "core/sampling/input/density_source.h"
-#include "core/sampling/input/face_order.h"
-#include "core/sampling/input/source_map.h"
+#include "core/sampling/input/prepared_surface.h"
 #include "core/sampling/mesh/faults.h"
 #include "core/sampling/other_methods.h"
 #include "core/sampling/output/export.h"
@@ -40,10 +37,6 @@ using Clock = std::chrono::steady_clock;
 
 /// Shorter creases are noise at the scale of the samples, in spacings.
 constexpr double kLeastCrease = 4.0;
-
-/// Longest side of a face at a sharp edge, in spacings, and how many faces a sample may come of it.
-constexpr double kLargestAtCrease = 1.0;
-constexpr std::int64_t kMostNewFaces = 8;
 
 /// Samples that one thread looks at in one go.
 constexpr std::int64_t kPiece = 4096;
@@ -242,24 +235,10 @@ absl::StatusOr<SamplingResult> Run(const TriangleMesh& mesh, const SamplingOptio
   };
   enter(Phase::kPreparing);
   const Parallel parallel(options.thread_count);
-  CCST_ASSIGN_OR_RETURN(RepairedMesh repaired,
-                        Repair(mesh, {.weld_tolerance = options.weld_tolerance}, &stop, parallel));
-  SortFaces(&repaired, &stop, parallel);
-  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, &stop, parallel));
-  const std::int64_t vertex_count = surface.vertex_count();
-  const std::int64_t face_count = surface.face_count();
-  const double spacing = quality::HexagonalSpacing(surface.area(), options.sample_count);
-  if (options.method == SamplingMethod::kCcst &&
-      RefineCreases(surface, kLargestAtCrease * spacing, kMostNewFaces * options.sample_count,
-                    &repaired, &stop)) {
-    SortFaces(&repaired, &stop, parallel);
-    CCST_ASSIGN_OR_RETURN(surface, Surface::Build(repaired.mesh, &stop, parallel));
-  }
-  if (stop.Requested()) return stop.Error("the mesh was prepared");
-  const SourceMap sources(mesh, repaired);
-  repaired.mesh = {};  // From here on there is the surface.
-  CCST_ASSIGN_OR_RETURN(const Density density,
-                        MakeDensity(mesh, sources, surface, options.density, &stop));
+  CCST_ASSIGN_OR_RETURN(const PreparedSurface prepared,
+                        Prepare(mesh, options, Purpose::kSampling, &stop, parallel));
+  const Surface& surface = prepared.surface;
+  const Density& density = prepared.density;
   SamplingResult result;
   result.prepare_seconds = SecondsSince(start);
 
@@ -281,9 +260,9 @@ absl::StatusOr<SamplingResult> Run(const TriangleMesh& mesh, const SamplingOptio
     CCST_ASSIGN_OR_RETURN(first, MakeStart(surface, density, options, parallel, &stop));
   }
   result.surface = Summarise(surface, first.plan);
-  result.surface.vertices = vertex_count;
-  result.surface.faces = face_count;
-  result.surface.repairs = repaired.report;
+  result.surface.vertices = prepared.vertex_count;
+  result.surface.faces = prepared.face_count;
+  result.surface.repairs = prepared.repairs;
   result.initialise_seconds = SecondsSince(start) - result.prepare_seconds;
 
   enter(Phase::kRelaxing);
@@ -327,7 +306,8 @@ absl::StatusOr<SamplingResult> Run(const TriangleMesh& mesh, const SamplingOptio
     result.relative_radius = 0.0;
     order = OwnOrder(first.samples);
   }
-  result.samples = ExportSamples(mesh, sources, first.samples, first.mesh, order, parallel);
+  result.samples =
+      ExportSamples(mesh, prepared.sources, first.samples, first.mesh, order, parallel);
   return result;
 }
 
