@@ -269,8 +269,9 @@ absl::StatusOr<SamplingResult> Run(const TriangleMesh& mesh, const SamplingOptio
   const Clock::duration reserve = FinishingTime(options);
   RelaxationReport relaxed;
   if (options.method == SamplingMethod::kCcst) {
-    CCST_ASSIGN_OR_RETURN(relaxed, Relax(surface, density, first.plan, options, report, &stop,
-                                         reserve, &first.mesh, &first.samples));
+    Relaxation relaxation(&surface, &density, &first.plan, options, report, &stop, reserve,
+                          &first.mesh, &first.samples);
+    CCST_ASSIGN_OR_RETURN(relaxed, relaxation.Run());
   } else {
     CCST_ASSIGN_OR_RETURN(
         relaxed, RunOtherMethod(surface, density, options, report, &stop, reserve, &first.samples));
