@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/base/assert.h"
 #include "core/sampling/relax/relocation.h"
 
 namespace ccst::internal {
@@ -47,9 +48,6 @@ constexpr int kPassesPerAlternation = 3;
 /// finds the rest of the way, and more of them would be much of the memory.
 constexpr double kDenseSpacing = 2.0;
 
-/// Samples whose normals one thread computes in one go.
-constexpr std::int64_t kNormalsAtOnce = 8192;
-
 /// One defect that a result may not keep outweighs a hundred of the others.
 std::size_t Weigh(const std::vector<Defect>& defects,
                   const std::vector<UncoveredPlace>& uncovered) {
@@ -70,11 +68,11 @@ Relaxation::Relaxation(const Surface* surface, const Density* density, const Pla
       relative_tolerance_(options.relative_tolerance),
       listener_(std::move(listener)),
       whole_(*interrupt),
-      mesh_(*mesh),
-      samples_(*samples),
       parallel_(options.thread_count),
       geometry_(surface, density, plan, options.energy, mesh, samples, &parallel_, interrupt),
-      flips_(mesh, &samples->position, &samples->normal),
+      mesh_(geometry_.packed().mesh()),
+      samples_(geometry_.packed().samples()),
+      flips_(geometry_.packed().MakeFlips()),
       changed_(samples->count(), 1) {
   // Going back to the best state measures all densities again.
   if (!density->uniform()) reserve += Interrupt::Clock::now() - begin_;
@@ -167,16 +165,10 @@ void Relaxation::Measure() {
 
 RelaxationReport Relaxation::Finish(Termination termination) {
   if (best_.defects != std::numeric_limits<std::size_t>::max()) {
-    best_.state.Restore(surface_, parallel_, &mesh_, &samples_);
     Interrupt finishing = whole_.WithoutDeadline();
-    geometry_.TakeOver(&finishing);
+    geometry_.Restore(&best_.state, &finishing);
   }
-  // Passes keep normals in single precision.
-  parallel_.ForRanges(samples_.count(), kNormalsAtOnce, [&](std::int64_t first, std::int64_t end) {
-    for (auto v = static_cast<std::size_t>(first); v < static_cast<std::size_t>(end); ++v) {
-      samples_.normal[v] = surface_.NormalAt(samples_.face[v], samples_.weights[v]);
-    }
-  });
+  geometry_.packed().RefineNormals(parallel_);
   const GeometryPhase::Spread spread = geometry_.MeasureCapacities();
   result_.energy = spread.energy;
   result_.capacity_cv = spread.cv;
@@ -215,7 +207,7 @@ void Relaxation::Relocate(const std::vector<Defect>& crowded,
                           const std::vector<UncoveredPlace>& uncovered) {
   const std::size_t before = flips_.touched.size();
   state_.relocations = internal::Relocate(crowded, uncovered, surface_, &*projection_, &geometry_,
-                                          &flips_, &alternating_, &mesh_, &samples_);
+                                          &flips_, &alternating_);
   for (std::size_t i = before; i < flips_.touched.size(); ++i) {
     geometry_.ActivateFlipped(flips_.touched[i]);
   }
@@ -224,6 +216,7 @@ void Relaxation::Relocate(const std::vector<Defect>& crowded,
 }
 
 void Relaxation::NoteChanges() {
+  CCST_ASSERT_NO_FAULT(FindFault(geometry_.packed()));
   for (std::int32_t v = 0; v < samples_.count(); ++v) changed_[v] |= geometry_.moved()[v];
   for (const std::int32_t v : flips_.touched) changed_[v] = 1;
 }

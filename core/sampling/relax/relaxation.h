@@ -94,11 +94,11 @@ class Relaxation {
   const double relative_tolerance_;
   const Listener listener_;
   Interrupt& whole_;
-  SampleMesh& mesh_;
-  Samples& samples_;
   const Parallel parallel_;
   const Interrupt::Clock::time_point begin_ = Interrupt::Clock::now();
   GeometryPhase geometry_;
+  const SampleMesh& mesh_;  // Of geometry_, like the next.
+  const Samples& samples_;
   Interrupt alternating_;  // Ends early enough for Finish() and for the caller.
   EdgeFlips flips_;
   // Both take time, which a run that has been stopped does not have: made by Run().
