@@ -23,6 +23,7 @@
 #include "core/sampling/other_methods.h"
 #include "core/sampling/output/export.h"
 #include "core/sampling/output/progressive_order.h"
+#include "core/sampling/output/stages.h"
 #include "core/sampling/relax/relaxation.h"
 #include "core/sampling/start/initial_mesh.h"
 #include "core/sampling/start/initial_points.h"
@@ -236,7 +237,7 @@ absl::StatusOr<SamplingResult> Run(const TriangleMesh& mesh, const SamplingOptio
   enter(Phase::kPreparing);
   const Parallel parallel(options.thread_count);
   CCST_ASSIGN_OR_RETURN(const PreparedSurface prepared,
-                        Prepare(mesh, options, Purpose::kSampling, &stop, parallel));
+                        Prepare(mesh, options, Purpose::kSampling, &stop, parallel, run.stages));
   const Surface& surface = prepared.surface;
   const Density& density = prepared.density;
   SamplingResult result;
@@ -256,8 +257,12 @@ absl::StatusOr<SamplingResult> Run(const TriangleMesh& mesh, const SamplingOptio
   };
   enter(Phase::kInitializing);
   Start first;
+  const auto show = [&](Stage stage) {
+    ShowSamples(stage, surface, first.mesh, first.samples, run.stages);
+  };
   if (options.method == SamplingMethod::kCcst) {
     CCST_ASSIGN_OR_RETURN(first, MakeStart(surface, density, options, parallel, &stop));
+    show(Stage::kInitial);
   }
   result.surface = Summarise(surface, first.plan);
   result.surface.vertices = prepared.vertex_count;
@@ -269,8 +274,9 @@ absl::StatusOr<SamplingResult> Run(const TriangleMesh& mesh, const SamplingOptio
   const Clock::duration reserve = FinishingTime(options);
   RelaxationReport relaxed;
   if (options.method == SamplingMethod::kCcst) {
-    Relaxation relaxation(&surface, &density, &first.plan, options, report, &stop, reserve,
-                          &first.mesh, &first.samples);
+    Relaxation relaxation(&surface, &density, &first.plan, options,
+                          {.on_alternation = report, .on_stage = show}, &stop, reserve, &first.mesh,
+                          &first.samples);
     CCST_ASSIGN_OR_RETURN(relaxed, relaxation.Run());
   } else {
     CCST_ASSIGN_OR_RETURN(
@@ -309,6 +315,9 @@ absl::StatusOr<SamplingResult> Run(const TriangleMesh& mesh, const SamplingOptio
   }
   result.samples =
       ExportSamples(mesh, prepared.sources, first.samples, first.mesh, order, parallel);
+  if (run.stages != nullptr) {
+    run.stages->OnStage(Stage::kResult, result.samples.positions, result.samples.triangles);
+  }
   return result;
 }
 

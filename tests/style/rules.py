@@ -102,6 +102,7 @@ PUBLIC_IN_HOUSE = {
     "core/sampling/relax": ["core/sampling/relax/relaxation.h"],
     "core/sampling/output": [
         "core/sampling/output/export.h", "core/sampling/output/progressive_order.h",
+        "core/sampling/output/stages.h",
     ],
 }
 

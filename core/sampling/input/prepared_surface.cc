@@ -20,12 +20,18 @@ constexpr std::int64_t kMostNewFaces = 8;
 
 absl::StatusOr<PreparedSurface> Prepare(const TriangleMesh& mesh, const SamplingOptions& options,
                                         Purpose purpose, Interrupt* interrupt,
-                                        const Parallel& parallel) {
+                                        const Parallel& parallel, StageSink* stages) {
   Interrupt never;
   Interrupt* const stop = interrupt != nullptr ? interrupt : &never;
   CCST_ASSIGN_OR_RETURN(RepairedMesh repaired,
                         Repair(mesh, {.weld_tolerance = options.weld_tolerance}, stop, parallel));
+  // Of a run that is to stop, the mesh may be none any more.
+  const auto show = [&](Stage stage) {
+    if (stages == nullptr || stop->Requested()) return;
+    stages->OnStage(stage, repaired.mesh.positions, repaired.mesh.faces);
+  };
   if (purpose == Purpose::kSampling) SortFaces(&repaired, stop, parallel);
+  show(Stage::kRepaired);
   CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, stop, parallel));
   const std::int64_t vertex_count = surface.vertex_count();
   const std::int64_t face_count = surface.face_count();
@@ -34,6 +40,7 @@ absl::StatusOr<PreparedSurface> Prepare(const TriangleMesh& mesh, const Sampling
     if (RefineCreases(surface, kLargestAtCrease * spacing, kMostNewFaces * options.sample_count,
                       &repaired, stop)) {
       SortFaces(&repaired, stop, parallel);
+      show(Stage::kRefined);
       CCST_ASSIGN_OR_RETURN(surface, Surface::Build(repaired.mesh, stop, parallel));
     }
   }

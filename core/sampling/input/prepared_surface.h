@@ -10,6 +10,7 @@
 #include "core/repair/repair_report.h"
 #include "core/sampling/input/source_map.h"
 #include "core/sampling/options.h"
+#include "core/sampling/run_control.h"
 #include "core/surface/surface.h"
 
 namespace ccst::internal {
@@ -38,10 +39,13 @@ struct PreparedSurface {
 /// number of samples.
 /// @param options    need not have been validated, but for the density: CheckOptions().
 /// @param interrupt  polled within the steps; may be null.
+/// @param stages     shown the repaired mesh and, if any face was split, the refined one; may be
+///                   null.
 /// @errors those of Repair(), Surface::Build() and MakeDensity(); those of Interrupt::Error().
 /// Cost O((V + F) log F), and O(pixels) for an image; the same bits on any number of threads.
 absl::StatusOr<PreparedSurface> Prepare(const TriangleMesh& mesh, const SamplingOptions& options,
                                         Purpose purpose, Interrupt* interrupt = nullptr,
-                                        const Parallel& parallel = Parallel());
+                                        const Parallel& parallel = Parallel(),
+                                        StageSink* stages = nullptr);
 
 }  // namespace ccst::internal

@@ -59,14 +59,14 @@ std::size_t Weigh(const std::vector<Defect>& defects,
 }  // namespace
 
 Relaxation::Relaxation(const Surface* surface, const Density* density, const Plan* plan,
-                       const SamplingOptions& options, Listener listener, Interrupt* interrupt,
+                       const SamplingOptions& options, Listeners listeners, Interrupt* interrupt,
                        Interrupt::Clock::duration reserve, SampleMesh* mesh, Samples* samples)
     : surface_(*surface),
       density_(*density),
       plan_(*plan),
       max_alternations_(options.max_iterations),
       relative_tolerance_(options.relative_tolerance),
-      listener_(std::move(listener)),
+      listeners_(std::move(listeners)),
       whole_(*interrupt),
       parallel_(options.thread_count),
       geometry_(surface, density, plan, options.energy, mesh, samples, &parallel_, interrupt),
@@ -131,14 +131,19 @@ bool Relaxation::Alternate() {
   return true;
 }
 
-void Relaxation::MendEarly() { Relocate(FindDefectsEverywhere(kEarlyLimits), {}); }
+void Relaxation::MendEarly() {
+  Relocate(FindDefectsEverywhere(kEarlyLimits), {});
+  if (result_.alternations == kEarlyAlternations) Show(Stage::kEarly);
+}
 
 void Relaxation::MendOnce() {
   Relocate(FindDefectsEverywhere(kMendLimits),
            coverage_->FindUncovered(mesh_, samples_, &alternating_));
+  Show(Stage::kMended);
 }
 
 bool Relaxation::MendFinal(const std::vector<UncoveredPlace>& uncovered) {
+  if (mends_ == 0) Show(Stage::kConverged);
   const std::size_t count = Weigh(defects_, uncovered);
   if (count < best_.defects) {
     best_.state.Take(mesh_, samples_);
@@ -155,12 +160,16 @@ bool Relaxation::MendFinal(const std::vector<UncoveredPlace>& uncovered) {
   return state_.relocations > 0;
 }
 
+void Relaxation::Show(Stage stage) const {
+  if (listeners_.on_stage) listeners_.on_stage(stage);
+}
+
 void Relaxation::Measure() {
   const GeometryPhase::Spread spread = geometry_.EstimateCapacities();
   result_.energy = state_.energy = spread.energy;
   result_.capacity_cv = state_.capacity_cv = spread.cv;
   state_.positions = samples_.position;
-  listener_(state_);
+  if (listeners_.on_alternation) listeners_.on_alternation(state_);
 }
 
 RelaxationReport Relaxation::Finish(Termination termination) {
@@ -169,6 +178,7 @@ RelaxationReport Relaxation::Finish(Termination termination) {
     geometry_.Restore(&best_.state, &finishing);
   }
   geometry_.packed().RefineNormals(parallel_);
+  Show(Stage::kRelaxed);
   const GeometryPhase::Spread spread = geometry_.MeasureCapacities();
   result_.energy = spread.energy;
   result_.capacity_cv = spread.cv;

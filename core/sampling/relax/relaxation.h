@@ -42,16 +42,20 @@ struct RelaxationReport {
 /// not worth fitting to the end.
 class Relaxation {
  public:
-  using Listener = std::function<void(const AlternationReport&)>;
+  /// Called while it goes on; each may be empty.
+  struct Listeners {
+    /// After every alternation and once, with alternation 0, before the first.
+    std::function<void(const AlternationReport&)> on_alternation = nullptr;
+    /// When the samples and their mesh are at a stage of the relaxation.
+    std::function<void(Stage)> on_stage = nullptr;
+  };
 
   /// Measures the first capacities, unless `interrupt` is requested in between.
   /// @param surface, density, plan, mesh, samples, interrupt  not owned; must outlive this.
-  /// @param listener  called after every alternation and once, with alternation 0, before the
-  ///                  first. Must not be empty.
   /// @param reserve   what the caller needs of the time until the deadline of `interrupt`: the
   ///                  relaxation ends this much earlier.
   Relaxation(const Surface* surface, const Density* density, const Plan* plan,
-             const SamplingOptions& options, Listener listener, Interrupt* interrupt,
+             const SamplingOptions& options, Listeners listeners, Interrupt* interrupt,
              Interrupt::Clock::duration reserve, SampleMesh* mesh, Samples* samples);
 
   Relaxation(const Relaxation&) = delete;
@@ -73,6 +77,7 @@ class Relaxation {
   // Whenever the capacities have converged: keeps the state if it is the best so far, and goes on
   // from it. @return false when there is nothing left to mend or it does not get better.
   bool MendFinal(const std::vector<UncoveredPlace>& uncovered);
+  void Show(Stage stage) const;
   // The capacities as they are now, for the report and the listener.
   void Measure();
   // Goes back to the best state and measures it exactly.
@@ -92,7 +97,7 @@ class Relaxation {
   const Plan& plan_;
   const int max_alternations_;
   const double relative_tolerance_;
-  const Listener listener_;
+  const Listeners listeners_;
   Interrupt& whole_;
   const Parallel parallel_;
   const Interrupt::Clock::time_point begin_ = Interrupt::Clock::now();

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -20,8 +21,6 @@ using sampling_test::Triangles;
 
 constexpr Interrupt::Clock::duration kNoReserve = Interrupt::Clock::duration::zero();
 
-void Ignore(const AlternationReport&) {}
-
 SamplingOptions Options() {
   SamplingOptions options;
   options.sample_count = 400;
@@ -31,11 +30,10 @@ SamplingOptions Options() {
 Start Torus() { return *MakeStart(shapes::Torus(1.0, 0.35, 60, 24), 400); }
 
 absl::StatusOr<RelaxationReport> Relax(Start* start, const SamplingOptions& options,
-                                       Interrupt* interrupt,
-                                       const Relaxation::Listener& listener = Ignore,
+                                       Interrupt* interrupt, Relaxation::Listeners listeners = {},
                                        Interrupt::Clock::duration reserve = kNoReserve) {
-  Relaxation relaxation(&start->surface, &start->density, &start->plan, options, listener,
-                        interrupt, reserve, &start->mesh, &start->samples);
+  Relaxation relaxation(&start->surface, &start->density, &start->plan, options,
+                        std::move(listeners), interrupt, reserve, &start->mesh, &start->samples);
   return relaxation.Run();
 }
 
@@ -43,9 +41,10 @@ TEST(Relaxation, EvensOutTheCapacities) {
   Start start = Torus();
   Interrupt never;
   std::vector<double> variations;
-  const RelaxationReport report = *Relax(
-      &start, Options(), &never,
-      [&](const AlternationReport& alternation) { variations.push_back(alternation.capacity_cv); });
+  const auto note = [&](const AlternationReport& alternation) {
+    variations.push_back(alternation.capacity_cv);
+  };
+  const RelaxationReport report = *Relax(&start, Options(), &never, {.on_alternation = note});
   EXPECT_EQ(report.termination, Termination::kConverged);
   EXPECT_LE(report.capacity_cv, 0.1 * variations.front());
 }
@@ -54,9 +53,10 @@ TEST(Relaxation, ListenerHearsOfEveryAlternationAndOfTheStart) {
   Start start = Torus();
   Interrupt never;
   std::vector<int> heard;
-  const RelaxationReport report = *Relax(
-      &start, Options(), &never,
-      [&](const AlternationReport& alternation) { heard.push_back(alternation.alternation); });
+  const auto note = [&](const AlternationReport& alternation) {
+    heard.push_back(alternation.alternation);
+  };
+  const RelaxationReport report = *Relax(&start, Options(), &never, {.on_alternation = note});
   ASSERT_EQ(static_cast<int>(heard.size()), report.alternations + 1);
   for (int i = 0; i <= report.alternations; ++i) EXPECT_EQ(heard[i], i);
 }
@@ -94,10 +94,10 @@ TEST(Relaxation, StopAtAnAlternationLeavesAWholeMesh) {
   Start start = Torus();
   std::stop_source source;
   Interrupt interrupt(source.get_token());
-  const RelaxationReport report =
-      *Relax(&start, Options(), &interrupt, [&](const AlternationReport& alternation) {
-        if (alternation.alternation == 6) source.request_stop();
-      });
+  const auto stop = [&](const AlternationReport& alternation) {
+    if (alternation.alternation == 6) source.request_stop();
+  };
+  const RelaxationReport report = *Relax(&start, Options(), &interrupt, {.on_alternation = stop});
   EXPECT_EQ(report.termination, Termination::kStopped);
   EXPECT_EQ(report.alternations, 6);
   const quality::MeshTopology topology = sampling_test::Topology(start.mesh);
@@ -105,11 +105,22 @@ TEST(Relaxation, StopAtAnAlternationLeavesAWholeMesh) {
   EXPECT_EQ(topology.euler, 0);
 }
 
+TEST(Relaxation, StagesComeInTheirOrder) {
+  Start start = Torus();
+  Interrupt never;
+  std::vector<Stage> stages;
+  const auto note = [&](Stage stage) { stages.push_back(stage); };
+  ASSERT_TRUE(Relax(&start, Options(), &never, {.on_stage = note}).ok());
+  const std::vector<Stage> expected = {Stage::kEarly, Stage::kMended, Stage::kConverged,
+                                       Stage::kRelaxed};
+  EXPECT_EQ(stages, expected);
+}
+
 TEST(Relaxation, ReserveIsTakenFromTheTimeLimit) {
   Start start = Torus();
   using std::chrono::hours;
   Interrupt interrupt({}, Interrupt::Clock::now() + hours(1));
-  const RelaxationReport report = *Relax(&start, Options(), &interrupt, Ignore, hours(2));
+  const RelaxationReport report = *Relax(&start, Options(), &interrupt, {}, hours(2));
   EXPECT_EQ(report.termination, Termination::kTimeLimit);
   EXPECT_EQ(report.alternations, 0);
 }
