@@ -181,11 +181,7 @@ double RelativeRadius(const Surface& surface, const Samples& samples,
   std::vector<Eigen::Vector3d> normals(samples.position.size());
   parallel.ForRanges(samples.count(), kPiece, [&](std::int64_t first, std::int64_t end) {
     for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i) {
-      const Eigen::Vector3i& face = surface.faces()[samples.face[i]];
-      const Eigen::Vector3d& corner = surface.positions()[face[0]];
-      normals[i] = (surface.positions()[face[1]] - corner)
-                       .cross(surface.positions()[face[2]] - corner)
-                       .normalized();
+      normals[i] = surface.FaceCross(samples.face[i]).normalized();
     }
   });
   return quality::FindClosestSameSide(samples.position, normals, scales, interrupt, parallel)

@@ -115,10 +115,9 @@ class Relocation {
  private:
   double WorstAfter(std::int32_t h) const {
     const std::int32_t w = mesh_.Target(h);
-    const std::int32_t g = mesh_.twin[h];
     double worst = 2.0;
     for (const std::int32_t e : ring_) {
-      if (e == h || (g >= 0 && e == SampleMesh::Next(g))) continue;
+      if (mesh_.FallsWith(h, e)) continue;
       const std::int32_t b = mesh_.Target(e);
       const std::int32_t c = mesh_.Apex(e);
       worst = std::min(worst, Facing(samples_.position, samples_.normal, w, b, c) *
