@@ -17,22 +17,20 @@
 #include "core/io/mesh_file.h"
 #include "core/io/sample_file.h"
 #include "core/parallel/parallel.h"
-#include "core/repair/repair.h"
-#include "core/sampling/input/density_source.h"
-#include "core/sampling/input/source_map.h"
+#include "core/sampling/input/prepared_surface.h"
 
 namespace ccst::cli {
 namespace {
 
 absl::StatusOr<analysis::ReferenceSurface> MakeReference(const TriangleMesh& mesh,
-                                                         const DensityOptions& options,
+                                                         const DensityOptions& density,
                                                          const Parallel& parallel) {
-  CCST_ASSIGN_OR_RETURN(const RepairedMesh repaired, Repair(mesh, {}, nullptr, parallel));
-  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, nullptr, parallel));
+  SamplingOptions options;
+  options.density = density;
   CCST_ASSIGN_OR_RETURN(
-      Density density,
-      internal::MakeDensity(mesh, internal::SourceMap(mesh, repaired), surface, options));
-  return analysis::ReferenceSurface(std::move(surface), std::move(density));
+      internal::PreparedSurface prepared,
+      internal::Prepare(mesh, options, internal::Purpose::kMeasuring, nullptr, parallel));
+  return analysis::ReferenceSurface(std::move(prepared.surface), std::move(prepared.density));
 }
 
 // The samples on the surface, as they are drawn.

@@ -13,6 +13,7 @@
 #include "client/cli/job_flags.h"
 #include "client/cli/option_flags.h"
 #include "client/cli/outputs.h"
+#include "client/cli/stage_files.h"
 #include "core/base/printable_text.h"
 #include "core/base/version.h"
 #include "core/io/sample_file.h"
@@ -57,6 +58,9 @@ CLI::App* AddSample(CLI::App& app, Flags& flags) {
   sub->add_option("--threads", flags.threads, "Threads of a local run; by default all cores")
       ->type_name("N")
       ->check(CLI::Range(1, 1024).description(""));
+  sub->add_option("--dump-stages", c.stages_folder,
+                  "Write the mesh at each stage of a local run into this folder, as .ply")
+      ->type_name("DIR");
   AddQuantization(*sub, c.quantization_bits);
   AddProgress(*sub, c.progress);
   sub->add_flag("--detach", c.detach,
@@ -88,6 +92,9 @@ void CheckSample(const Flags& flags) {
   if (flags.threads.has_value() && !flags.local) {
     throw CLI::ValidationError("--threads needs --local; a server chooses its own");
   }
+  if (!sample.stages_folder.empty() && !flags.local) {
+    throw CLI::ValidationError("--dump-stages needs --local; a server gives the result alone");
+  }
   if (flags.local && (sample.detach || sample.skip_cache_lookup || !sample.display_name.empty() ||
                       !sample.labels.empty())) {
     throw CLI::ValidationError("--detach, --name, --label and --no-cache need a server");
@@ -105,9 +112,15 @@ void CheckSample(const Flags& flags) {
   std::vector<NamedFile> inputs = FilesOf(flags.server.server_flags);
   inputs.push_back({"the mesh", sample.mesh});
   inputs.push_back({"the image", sample.texture_path});
-  if (const absl::Status status = CheckOutputs(sample, inputs); !status.ok()) {
-    throw CLI::ValidationError(std::string(status.message()));
+  absl::Status status = CheckOutputs(sample, inputs);
+  if (status.ok() && !sample.stages_folder.empty()) {
+    for (const std::string& path :
+         {sample.samples_path, sample.mesh_path, sample.picture_path, sample.summary_path}) {
+      inputs.push_back({"another output", path});
+    }
+    status = CheckStageFiles(sample.stages_folder, inputs);
   }
+  if (!status.ok()) throw CLI::ValidationError(std::string(status.message()));
 }
 
 std::string AddressOf(const std::string& given, const char* environment_server) {

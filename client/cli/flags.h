@@ -38,7 +38,8 @@ struct OutputPaths {
 struct SampleCommand : ServerAddress, OutputPaths {
   std::string mesh;
   SamplingOptions options;
-  std::string texture_path;  ///< Image of a texture density.
+  std::string texture_path;   ///< Image of a texture density.
+  std::string stages_folder;  ///< Where to write the stages of a local run; empty: nowhere.
   ProgressStyle progress = ProgressStyle::kAuto;
   std::optional<int> quantization_bits;
   bool detach = false;

@@ -25,12 +25,14 @@ class Listener : public ProgressSink {
 
 absl::StatusOr<SampleOutcome> SampleLocally(
     const MeshInput& input, const SamplingOptions& options,
-    const std::function<void(const AlternationReport&)>& on_progress, const std::stop_token& stop) {
+    const std::function<void(const AlternationReport&)>& on_progress, const std::stop_token& stop,
+    StageSink* stages) {
   const auto start = std::chrono::steady_clock::now();
   Listener listener(on_progress);
   SampleOutcome outcome;
-  CCST_ASSIGN_OR_RETURN(outcome.result,
-                        SampleSurface(input.wire, options, {.stop = stop, .progress = &listener}));
+  CCST_ASSIGN_OR_RETURN(
+      outcome.result,
+      SampleSurface(input.wire, options, {.stop = stop, .progress = &listener, .stages = stages}));
   if (outcome.result.termination == Termination::kStopped) {
     return MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled, "cancelled");
   }

@@ -15,6 +15,7 @@
 #include "client/cli/outputs.h"
 #include "client/cli/progress.h"
 #include "client/cli/read_within.h"
+#include "client/cli/stage_files.h"
 #include "client/cli/summary.h"
 #include "client/cli/texture_input.h"
 #include "client/lib/client.h"
@@ -137,11 +138,12 @@ ExitCode Run(const SampleCommand& given) {
     const absl::Status status = Detach(*input, command, printer, interrupt.token());
     return status.ok() ? kOk : Fail(printer, status, command.server);
   }
+  StageFiles stages(command.stages_folder, input->origin);
   auto outcome = is_local
                      ? SampleLocally(
                            *input, WithTimeLeft(command.options, deadline),
                            [&printer](const AlternationReport& report) { printer.Show(report); },
-                           interrupt.token())
+                           interrupt.token(), command.stages_folder.empty() ? nullptr : &stages)
                      : SampleRemotely(*input, command, printer, interrupt.token());
   if (outcome.ok() && interrupt.token().stop_requested()) {
     outcome = MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled, "cancelled");
@@ -150,8 +152,10 @@ ExitCode Run(const SampleCommand& given) {
   printer.Finish();
   NameOwnFaces(input->file.face_source, input->file.face_corners, outcome->result.samples);
   const FinishedRun run = {command.options, command.server, *std::move(outcome)};
-  if (const absl::Status status = WriteOutputs(command, input->file.mesh, run); !status.ok()) {
-    PrintError(status, command.server);
+  absl::Status written = WriteOutputs(command, input->file.mesh, run);
+  written.Update(stages.status());
+  if (!written.ok()) {
+    PrintError(written, command.server);
     return kFailed;
   }
   const std::string figures = SummaryText(run);

@@ -111,10 +111,7 @@ class Sum {
     std::vector<Eigen::Vector3d> normals;
     std::vector<double> scales;
     for (const SurfacePoint& point : points) {
-      const Eigen::Vector3i& f = surface.faces()[static_cast<std::size_t>(point.face)];
-      const Eigen::Vector3d& a = surface.positions()[f[0]];
-      normals.push_back(
-          (surface.positions()[f[1]] - a).cross(surface.positions()[f[2]] - a).normalized());
+      normals.push_back(surface.FaceCross(point.face).normalized());
       if (!reference_.density().uniform()) scales.push_back(1.0 / std::sqrt(DensityAt(point)));
     }
     const quality::DistanceFigures distances = quality::MeasureDistances(

@@ -5,13 +5,13 @@
 #include <limits>
 #include <vector>
 
-#include <Eigen/Geometry>
+#include "core/mesh/faces.h"
 
 namespace ccst::quality {
 namespace {
 
 double Area(std::span<const Eigen::Vector3d> positions, const Eigen::Vector3i& t) {
-  return 0.5 * (positions[t[1]] - positions[t[0]]).cross(positions[t[2]] - positions[t[0]]).norm();
+  return 0.5 * FaceCross(positions, t).norm();
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/mesh/faces.h"
 
 namespace ccst::quality {
 namespace {
@@ -32,8 +33,6 @@ struct Side {
   std::int64_t corner;
   bool forward;  // Runs from low to high.
 };
-
-std::int64_t NextCorner(std::int64_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
 std::vector<std::vector<std::int32_t>> TraceLoops(
     std::vector<std::pair<std::int32_t, std::int32_t>> open_sides) {
@@ -131,8 +130,8 @@ MeshTopology MeasureTopology(std::int64_t vertex_count,
         ++result.inconsistent_edges;
         note("the two faces of edge (", a.low, ", ", a.high, ") have opposite orientations");
       }
-      fans.Merge(a.corner, opposite ? NextCorner(b.corner) : b.corner);
-      fans.Merge(NextCorner(a.corner), opposite ? b.corner : NextCorner(b.corner));
+      fans.Merge(a.corner, opposite ? NextHalfEdge(b.corner) : b.corner);
+      fans.Merge(NextHalfEdge(a.corner), opposite ? b.corner : NextHalfEdge(b.corner));
     } else {
       ++result.crowded_edges;
       note("edge (", a.low, ", ", a.high, ") has ", end - begin, " faces");

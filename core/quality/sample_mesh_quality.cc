@@ -8,6 +8,8 @@
 
 #include <Eigen/Geometry>
 
+#include "core/mesh/faces.h"
+
 namespace ccst::quality {
 
 AngleFigures MeasureAngles(std::span<const Eigen::Vector3d> positions,
@@ -103,9 +105,7 @@ std::int64_t CountTurnedOver(std::span<const Eigen::Vector3d> positions,
                              std::span<const Eigen::Vector3d> normals,
                              std::span<const Eigen::Vector3i> triangles) {
   return std::count_if(triangles.begin(), triangles.end(), [&](const Eigen::Vector3i& t) {
-    const Eigen::Vector3d normal =
-        (positions[t[1]] - positions[t[0]]).cross(positions[t[2]] - positions[t[0]]);
-    return !(normal.dot(normals[t[0]] + normals[t[1]] + normals[t[2]]) > 0.0);
+    return !(FaceCross(positions, t).dot(normals[t[0]] + normals[t[1]] + normals[t[2]]) > 0.0);
   });
 }
 

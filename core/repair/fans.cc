@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/mesh/edges.h"
+#include "core/mesh/faces.h"
 #include "core/repair/disjoint_sets.h"
 
 namespace ccst::repair {
@@ -14,14 +15,13 @@ std::int32_t NumberFans(const LinkedFaces& linked, Interrupt* interrupt,
                         std::vector<Eigen::Vector3i>* fans) {
   const std::int32_t corners = 3 * linked.count();
   DisjointSets sets(corners);
-  const auto next = [](std::int32_t s) { return s - s % 3 + (s % 3 + 1) % 3; };
   for (std::int32_t s = 0; s < corners; ++s) {
     if (interrupt->RequestedAt(s)) return 0;
     const std::int32_t other = linked.links[s];
     if (other < s) continue;
     const bool opposite = linked.Origin(s) != linked.Origin(other);
-    sets.Unite(s, opposite ? next(other) : other);
-    sets.Unite(next(s), opposite ? other : next(other));
+    sets.Unite(s, opposite ? NextHalfEdge(other) : other);
+    sets.Unite(NextHalfEdge(s), opposite ? other : NextHalfEdge(other));
   }
   fans->resize(linked.faces.size());
   std::int32_t count = 0;

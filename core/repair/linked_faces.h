@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "core/mesh/faces.h"
+
 namespace ccst::repair {
 
 /// Faces and how they hang together. Slot 3 f + k is the edge of face f from corner k to k + 1.
@@ -18,8 +20,8 @@ struct LinkedFaces {
 
   std::int32_t count() const { return static_cast<std::int32_t>(faces.size()); }
   std::int32_t Origin(std::int32_t slot) const { return faces[slot / 3][slot % 3]; }
-  std::int32_t Target(std::int32_t slot) const { return faces[slot / 3][(slot % 3 + 1) % 3]; }
-  std::int32_t Apex(std::int32_t slot) const { return faces[slot / 3][(slot % 3 + 2) % 3]; }
+  std::int32_t Target(std::int32_t slot) const { return Origin(NextHalfEdge(slot)); }
+  std::int32_t Apex(std::int32_t slot) const { return Origin(PreviousHalfEdge(slot)); }
   /// Whether the slot runs from the smaller vertex to the larger.
   bool Ascends(std::int32_t slot) const { return Origin(slot) < Target(slot); }
 

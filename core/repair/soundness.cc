@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/mesh/edges.h"
+#include "core/mesh/faces.h"
 #include "core/repair/weld.h"
 
 namespace ccst::repair {
@@ -95,7 +96,7 @@ bool HasSoundFans(const TriangleMesh& mesh, const std::vector<std::int32_t>& lin
                     std::int32_t s = leave[v];
                     do {
                       --unseen;
-                      s = links[s % 3 == 0 ? s + 2 : s - 1];
+                      s = links[PreviousHalfEdge(s)];
                     } while (s >= 0 && s != leave[v] && unseen > 0);
                     return unseen == 0;
                   });

@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "core/mesh/faces.h"
+
 namespace ccst::repair {
 namespace {
 
@@ -149,11 +151,10 @@ class ZeroAreaRemoval {
     const Eigen::Vector3i two(c, a, d);
     if (geometry_.HasNoArea(Places(one)) || geometry_.HasNoArea(Places(two))) return;
 
-    const auto next = [](std::int32_t s) { return s - s % 3 + (s % 3 + 1) % 3; };
-    const std::int32_t beyond_bc = linked_.links[next(side)];
-    const std::int32_t beyond_ca = linked_.links[next(next(side))];
-    const std::int32_t beyond_ad = linked_.links[next(across)];
-    const std::int32_t beyond_db = linked_.links[next(next(across))];
+    const std::int32_t beyond_bc = linked_.links[NextHalfEdge(side)];
+    const std::int32_t beyond_ca = linked_.links[PreviousHalfEdge(side)];
+    const std::int32_t beyond_ad = linked_.links[NextHalfEdge(across)];
+    const std::int32_t beyond_db = linked_.links[PreviousHalfEdge(across)];
     edges_.erase(EdgeKey(a, b));
     edges_.insert(EdgeKey(c, d));
     linked_.faces[f] = one;

@@ -18,14 +18,12 @@
 #include "core/mesh/attributes.h"
 #include "core/parallel/parallel.h"
 #include "core/quality/distances.h"
-#include "core/sampling/input/crease_refinement.h"
-#include "core/sampling/input/density_source.h"
-#include "core/sampling/input/face_order.h"
-#include "core/sampling/input/source_map.h"
+#include "core/sampling/input/prepared_surface.h"
 #include "core/sampling/mesh/faults.h"
 #include "core/sampling/other_methods.h"
 #include "core/sampling/output/export.h"
 #include "core/sampling/output/progressive_order.h"
+#include "core/sampling/output/stages.h"
 #include "core/sampling/relax/relaxation.h"
 #include "core/sampling/start/initial_mesh.h"
 #include "core/sampling/start/initial_points.h"
@@ -40,10 +38,6 @@ using Clock = std::chrono::steady_clock;
 
 /// Shorter creases are noise at the scale of the samples, in spacings.
 constexpr double kLeastCrease = 4.0;
-
-/// Longest side of a face at a sharp edge, in spacings, and how many faces a sample may come of it.
-constexpr double kLargestAtCrease = 1.0;
-constexpr std::int64_t kMostNewFaces = 8;
 
 /// Samples that one thread looks at in one go.
 constexpr std::int64_t kPiece = 4096;
@@ -187,11 +181,7 @@ double RelativeRadius(const Surface& surface, const Samples& samples,
   std::vector<Eigen::Vector3d> normals(samples.position.size());
   parallel.ForRanges(samples.count(), kPiece, [&](std::int64_t first, std::int64_t end) {
     for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i) {
-      const Eigen::Vector3i& face = surface.faces()[samples.face[i]];
-      const Eigen::Vector3d& corner = surface.positions()[face[0]];
-      normals[i] = (surface.positions()[face[1]] - corner)
-                       .cross(surface.positions()[face[2]] - corner)
-                       .normalized();
+      normals[i] = surface.FaceCross(samples.face[i]).normalized();
     }
   });
   return quality::FindClosestSameSide(samples.position, normals, scales, interrupt, parallel)
@@ -242,24 +232,10 @@ absl::StatusOr<SamplingResult> Run(const TriangleMesh& mesh, const SamplingOptio
   };
   enter(Phase::kPreparing);
   const Parallel parallel(options.thread_count);
-  CCST_ASSIGN_OR_RETURN(RepairedMesh repaired,
-                        Repair(mesh, {.weld_tolerance = options.weld_tolerance}, &stop, parallel));
-  SortFaces(&repaired, &stop, parallel);
-  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, &stop, parallel));
-  const std::int64_t vertex_count = surface.vertex_count();
-  const std::int64_t face_count = surface.face_count();
-  const double spacing = quality::HexagonalSpacing(surface.area(), options.sample_count);
-  if (options.method == SamplingMethod::kCcst &&
-      RefineCreases(surface, kLargestAtCrease * spacing, kMostNewFaces * options.sample_count,
-                    &repaired, &stop)) {
-    SortFaces(&repaired, &stop, parallel);
-    CCST_ASSIGN_OR_RETURN(surface, Surface::Build(repaired.mesh, &stop, parallel));
-  }
-  if (stop.Requested()) return stop.Error("the mesh was prepared");
-  const SourceMap sources(mesh, repaired);
-  repaired.mesh = {};  // From here on there is the surface.
-  CCST_ASSIGN_OR_RETURN(const Density density,
-                        MakeDensity(mesh, sources, surface, options.density, &stop));
+  CCST_ASSIGN_OR_RETURN(const PreparedSurface prepared,
+                        Prepare(mesh, options, Purpose::kSampling, &stop, parallel, run.stages));
+  const Surface& surface = prepared.surface;
+  const Density& density = prepared.density;
   SamplingResult result;
   result.prepare_seconds = SecondsSince(start);
 
@@ -277,21 +253,27 @@ absl::StatusOr<SamplingResult> Run(const TriangleMesh& mesh, const SamplingOptio
   };
   enter(Phase::kInitializing);
   Start first;
+  const auto show = [&](Stage stage) {
+    ShowSamples(stage, surface, first.mesh, first.samples, run.stages);
+  };
   if (options.method == SamplingMethod::kCcst) {
     CCST_ASSIGN_OR_RETURN(first, MakeStart(surface, density, options, parallel, &stop));
+    show(Stage::kInitial);
   }
   result.surface = Summarise(surface, first.plan);
-  result.surface.vertices = vertex_count;
-  result.surface.faces = face_count;
-  result.surface.repairs = repaired.report;
+  result.surface.vertices = prepared.vertex_count;
+  result.surface.faces = prepared.face_count;
+  result.surface.repairs = prepared.repairs;
   result.initialise_seconds = SecondsSince(start) - result.prepare_seconds;
 
   enter(Phase::kRelaxing);
   const Clock::duration reserve = FinishingTime(options);
   RelaxationReport relaxed;
   if (options.method == SamplingMethod::kCcst) {
-    CCST_ASSIGN_OR_RETURN(relaxed, Relax(surface, density, first.plan, options, report, &stop,
-                                         reserve, &first.mesh, &first.samples));
+    Relaxation relaxation(&surface, &density, &first.plan, options,
+                          {.on_alternation = report, .on_stage = show}, &stop, reserve, &first.mesh,
+                          &first.samples);
+    CCST_ASSIGN_OR_RETURN(relaxed, relaxation.Run());
   } else {
     CCST_ASSIGN_OR_RETURN(
         relaxed, RunOtherMethod(surface, density, options, report, &stop, reserve, &first.samples));
@@ -327,7 +309,11 @@ absl::StatusOr<SamplingResult> Run(const TriangleMesh& mesh, const SamplingOptio
     result.relative_radius = 0.0;
     order = OwnOrder(first.samples);
   }
-  result.samples = ExportSamples(mesh, sources, first.samples, first.mesh, order, parallel);
+  result.samples =
+      ExportSamples(mesh, prepared.sources, first.samples, first.mesh, order, parallel);
+  if (run.stages != nullptr) {
+    run.stages->OnStage(Stage::kResult, result.samples.positions, result.samples.triangles);
+  }
   return result;
 }
 

@@ -3,6 +3,9 @@
 #include <cmath>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "core/base/portable_math.h"
 
 namespace ccst {
 
@@ -14,6 +17,11 @@ inline void TangentFrame(const Eigen::Vector3d& n, Eigen::Vector3d* t1, Eigen::V
   const double b = n.x() * n.y() * a;
   *t1 = {1.0 + sign * n.x() * n.x() * a, sign * b, -sign * n.x()};
   *t2 = {b, sign + n.y() * n.y() * a, -n.y()};
+}
+
+/// The angle between two vectors [rad], in [0, pi]; the same bits on every machine.
+inline double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return PortableAtan2(a.cross(b).norm(), a.dot(b));
 }
 
 /// x . Q . y for a symmetric tensor stored as (xx, xy, xz, yy, yz, zz).

@@ -142,8 +142,7 @@ absl::Status Surface::AddNormals(const CornerSums& corners, const Parallel& para
       parallel, interrupt,
       [&](std::int64_t f, const auto& add) {
         const Eigen::Vector3i& face = faces_[static_cast<std::size_t>(f)];
-        const Eigen::Vector3d normal = (positions_[face[1]] - positions_[face[0]])
-                                           .cross(positions_[face[2]] - positions_[face[0]]);
+        const Eigen::Vector3d normal = ccst::FaceCross(positions_, face);
         face_areas_[static_cast<std::size_t>(f)] = 0.5 * normal.norm();
         for (int k = 0; k < 3; ++k) add(k, normal);
       },
@@ -213,7 +212,7 @@ absl::Status Surface::CheckVertices(const Parallel& parallel) {
     std::int32_t h = outgoing_[v];
     do {
       ++seen;
-      h = twins_[h % 3 == 0 ? h + 2 : h - 1];
+      h = twins_[PreviousHalfEdge(h)];
     } while (h >= 0 && h != outgoing_[v] && seen <= degree[v]);
     if (seen == degree[v]) return absl::OkStatus();
     return NotManifold(
@@ -333,7 +332,7 @@ SurfacePoint Surface::Follow(std::int32_t face, const Eigen::Vector3d& target) c
       std::int32_t h = start;
       do {
         if (h / 3 != best.face) consider(h / 3);
-        h = twins_[h - h % 3 + (h % 3 + 2) % 3];
+        h = twins_[PreviousHalfEdge(h)];
       } while (h >= 0 && h != start);
     }
     // A relative margin ends the walk where rounding alone tells the candidates apart.

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/interrupt.h"
+#include "core/mesh/faces.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/parallel/parallel.h"
 
@@ -81,8 +82,11 @@ class Surface {
   }
 
   std::int32_t Origin(std::int32_t half_edge) const { return faces_[half_edge / 3][half_edge % 3]; }
-  std::int32_t Target(std::int32_t half_edge) const {
-    return faces_[half_edge / 3][(half_edge % 3 + 1) % 3];
+  std::int32_t Target(std::int32_t half_edge) const { return Origin(NextHalfEdge(half_edge)); }
+
+  /// The normal of a face, twice its area long.
+  Eigen::Vector3d FaceCross(std::int32_t face) const {
+    return ccst::FaceCross(positions_, faces_[face]);
   }
 
   /// Unit normal at a point, interpolated over its face.

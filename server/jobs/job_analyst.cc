@@ -9,9 +9,7 @@
 #include "core/base/interrupt.h"
 #include "core/base/limit_error.h"
 #include "core/base/status.h"
-#include "core/repair/repair.h"
-#include "core/sampling/input/density_source.h"
-#include "core/sampling/input/source_map.h"
+#include "core/sampling/input/prepared_surface.h"
 #include "server/jobs/job_input.h"
 #include "server/jobs/memory_estimate.h"
 #include "server/jobs/stored_samples.h"
@@ -23,16 +21,13 @@ constexpr std::size_t kMaxPosted = std::size_t{1} << 20;
 
 using analysis::ReferenceSurface;
 
-absl::StatusOr<ReferenceSurface> MakeReference(const TriangleMesh& mesh, double weld_tolerance,
-                                               const DensityOptions& density,
+absl::StatusOr<ReferenceSurface> MakeReference(const TriangleMesh& mesh,
+                                               const SamplingOptions& options,
                                                Interrupt& interrupt) {
-  RepairedMesh repaired;
-  CCST_ASSIGN_OR_RETURN(repaired, Repair(mesh, {.weld_tolerance = weld_tolerance}, &interrupt));
-  CCST_ASSIGN_OR_RETURN(Surface surface, Surface::Build(repaired.mesh, &interrupt));
-  CCST_ASSIGN_OR_RETURN(Density made,
-                        internal::MakeDensity(mesh, internal::SourceMap(mesh, repaired), surface,
-                                              density, &interrupt));
-  return ReferenceSurface(std::move(surface), std::move(made), &interrupt);
+  CCST_ASSIGN_OR_RETURN(
+      internal::PreparedSurface prepared,
+      internal::Prepare(mesh, options, internal::Purpose::kMeasuring, &interrupt));
+  return ReferenceSurface(std::move(prepared.surface), std::move(prepared.density), &interrupt);
 }
 
 // There is no surface to measure on: what it would be made of is gone, over limits that were higher
@@ -89,7 +84,7 @@ absl::StatusOr<std::optional<ReferenceSurface>> JobAnalyst::SurfaceOf(
     const JobSpec& spec, const SampleSet& samples, const std::shared_ptr<void>& grant,
     const std::stop_token& stop, std::optional<Interrupt::Clock::time_point> deadline) {
   Interrupt interrupt(stop, deadline);
-  DensityOptions density = spec.options.density;
+  SamplingOptions options = spec.options;
   auto input =
       LoadInput(spec, run_,
                 {.load = [this](const std::string& sha256) { return ReadWhole(blobs_, sha256); },
@@ -98,14 +93,16 @@ absl::StatusOr<std::optional<ReferenceSurface>> JobAnalyst::SurfaceOf(
                 stop, deadline);
   absl::Status failed = input.status();
   if (input.ok()) {
-    density.image = std::move(input->image);
-    auto sampled = MakeReference(input->mesh, spec.options.weld_tolerance, density, interrupt);
+    options.density.image = std::move(input->image);
+    auto sampled = MakeReference(input->mesh, options, interrupt);
     if (sampled.ok()) return sampled;
     failed = sampled.status();
   }
   if (!HasNoSurface(failed)) return failed;
-  if (samples.triangles.empty() || density.source != DensitySource::kUniform) return std::nullopt;
-  auto own = MakeReference({samples.positions, samples.triangles}, 0.0, density, interrupt);
+  if (samples.triangles.empty() || options.density.source != DensitySource::kUniform) {
+    return std::nullopt;
+  }
+  auto own = MakeReference({samples.positions, samples.triangles}, SamplingOptions(), interrupt);
   if (HasNoSurface(own.status())) return std::nullopt;
   return own;
 }

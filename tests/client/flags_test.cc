@@ -107,6 +107,19 @@ TEST(Flags, LocalIgnoresTheServerOfTheEnvironment) {
   EXPECT_EQ(command.options.thread_count, 3);
 }
 
+TEST(Flags, StagesOfALocalRunGoIntoAFolder) {
+  const std::string folder = testing::TempDir();
+  const auto command = std::get<SampleCommand>(
+      Parse({"sample", "a.obj", "--count", "9", "--local", "--dump-stages", folder.c_str()}));
+  EXPECT_EQ(command.stages_folder, folder);
+}
+
+TEST(Flags, StagesOfARemoteRunAreRefused) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(ExitOf(Parse({"sample", "a.obj", "--count", "9", "--dump-stages", "/tmp"})), kUsage);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("--dump-stages needs --local"));
+}
+
 TEST(Flags, InfoTakesJson) {
   EXPECT_FALSE(std::get<InfoCommand>(Parse({"info"})).json);
   EXPECT_TRUE(std::get<InfoCommand>(Parse({"info", "--json"})).json);
@@ -223,6 +236,8 @@ TEST(Flags, WrongCommandLinesAreUsageErrors) {
       {"sample", "a.obj", "--count", "9", "--density", "attribute"},
       {"sample", "a.obj", "--count", "9", "--density", "texture:"},
       {"sample", "a.obj", "--count", "9", "--threads", "2"},
+      {"sample", "a.obj", "--count", "9", "--dump-stages", "/tmp"},
+      {"sample", "a.obj", "--count", "9", "--local", "--dump-stages", "/no/such/folder"},
       {"sample", "a.obj", "--count", "9", "--local", "--threads", "0"},
       {"sample", "a.obj", "--count", "9", "--local", "--server", "here:1"},
       {"sample", "a.obj", "--count", "9", "--quantization-bits", "25"},

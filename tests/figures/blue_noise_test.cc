@@ -16,7 +16,7 @@
 #include "core/analysis/differentials.h"
 #include "core/analysis/reference_surface.h"
 #include "core/io/mesh_file.h"
-#include "core/repair/repair.h"
+#include "core/sampling/input/prepared_surface.h"
 #include "core/sampling/sampling.h"
 #include "tests/support/shapes.h"
 
@@ -37,9 +37,9 @@ TriangleMesh Load(const std::string& name) {
 
 Differentials Measure(const TriangleMesh& mesh, SamplingMethod method, std::int64_t count,
                       std::uint64_t first_seed, int sets) {
-  Surface surface = *Surface::Build(Repair(mesh)->mesh);
-  Density uniform = Density::Uniform(surface);
-  const ReferenceSurface reference(std::move(surface), std::move(uniform));
+  internal::PreparedSurface prepared =
+      *internal::Prepare(mesh, SamplingOptions(), internal::Purpose::kMeasuring);
+  const ReferenceSurface reference(std::move(prepared.surface), std::move(prepared.density));
   Differentials differentials(count);
   for (int set = 0; set < sets; ++set) {
     SamplingOptions options;

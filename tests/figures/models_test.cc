@@ -17,7 +17,7 @@
 #include "core/io/image_file.h"
 #include "core/io/mesh_file.h"
 #include "core/io/whole_file.h"
-#include "core/sampling/input/density_source.h"
+#include "core/sampling/input/prepared_surface.h"
 #include "core/sampling/sampling.h"
 #include "core/spatial/hilbert.h"
 
@@ -44,10 +44,9 @@ TriangleMesh Read(const std::string& name) {
   return ReadMeshFile(MeshFolder() + "/" + name).value().mesh;
 }
 
-// The density a run follows, on the faces of a mesh that needs no repair.
-Density DensityOf(const TriangleMesh& mesh, const Surface& surface, const DensityOptions& options) {
-  RepairedMesh same = *Repair(mesh);
-  return *internal::MakeDensity(mesh, internal::SourceMap(mesh, same), surface, options);
+// The surface of a mesh that needs no repair, face by face, and the density that a run follows.
+internal::PreparedSurface Prepared(const TriangleMesh& mesh, const SamplingOptions& options) {
+  return *internal::Prepare(mesh, options, internal::Purpose::kMeasuring);
 }
 
 // Root mean square of the relative error of the share of samples, over `count` patches of about
@@ -93,7 +92,7 @@ TEST_F(Models, CurvatureDensityIsFollowed) {
     options.sample_count = 10000;
     options.density.source = DensitySource::kCurvature;
     const SamplingResult result = *SampleSurface(mesh, options);
-    const Density density = DensityOf(mesh, *Surface::Build(mesh), options.density);
+    const Density density = Prepared(mesh, options).density;
     const double error = ShareError(mesh, density, result.samples.faces, 64);
     std::printf("%s: shares within %.1f %%, cv %.3f\n", name, 100.0 * error, result.capacity_cv);
     EXPECT_LE(error, 0.05) << name;
@@ -119,10 +118,9 @@ TEST_F(Models, HalftoneFollowsTheTexture) {
   SamplingOptions uniform;
   uniform.sample_count = 60000;
   const SampleSet area = SampleSurface(mesh, uniform)->samples;
-  const RepairedMesh repaired = *Repair(mesh);
-  const Surface surface = *Surface::Build(repaired.mesh);
-  const Density density =
-      *internal::MakeDensity(mesh, internal::SourceMap(mesh, repaired), surface, options.density);
+  const internal::PreparedSurface prepared = Prepared(mesh, options);
+  const Surface& surface = prepared.surface;
+  const Density& density = prepared.density;
   ASSERT_EQ(surface.face_count(), static_cast<std::int32_t>(mesh.faces.size()));
   const double radius = 3.0 * std::sqrt(result.surface.area / 20000.0);
   const double footprint = surface.area() / 20000.0;

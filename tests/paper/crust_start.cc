@@ -34,10 +34,9 @@ nlohmann::json Converge(Start start, SampleMesh mesh) {
   Interrupt never;
   SamplingOptions options;
   options.sample_count = start.samples.count();
-  // Never interrupted, it has a result.
-  const internal::RelaxationReport report = *Relax(
-      start.surface, start.density, start.plan, options, [](const AlternationReport&) {}, &never,
-      Interrupt::Clock::duration::zero(), &mesh, &start.samples);
+  internal::Relaxation relaxation(&start.surface, &start.density, &start.plan, options, {}, &never,
+                                  Interrupt::Clock::duration::zero(), &mesh, &start.samples);
+  const internal::RelaxationReport report = *relaxation.Run();  // Never interrupted.
   const SampleSet set = MakeSampleSet(start, mesh);
   nlohmann::json row = ReportFigures(start.surface, {&set, 1});
   row.erase("radial_mean");  // Of one set each: too long to print.

@@ -90,7 +90,7 @@ absl::Status Run(const Options& options) {
                                    &mesh, &start.samples, &one_thread);
   geometry.stretch = 1.0;  // The minimiser as it is.
   geometry.rest = 1e-3;
-  internal::EdgeFlips flips(&mesh, &start.samples.position, &start.samples.normal);
+  internal::EdgeFlips flips = geometry.packed().MakeFlips();
   nlohmann::json rows = nlohmann::json::array();
   const auto record = [&](int phase, int pass, std::int64_t flipped) {
     nlohmann::json row = MeasureEnergies(MakeSampleSet(start, mesh), area);

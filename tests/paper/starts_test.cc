@@ -55,9 +55,9 @@ std::vector<double> Converge(Points points, Connection connection, std::uint64_t
   }
   SamplingOptions options;
   options.sample_count = kCount;
-  const auto report = Relax(
-      start.surface, start.density, start.plan, options, [](const AlternationReport&) {}, &never,
-      Interrupt::Clock::duration::zero(), &mesh, &start.samples);
+  internal::Relaxation relaxation(&start.surface, &start.density, &start.plan, options, {}, &never,
+                                  Interrupt::Clock::duration::zero(), &mesh, &start.samples);
+  const auto report = relaxation.Run();
   EXPECT_TRUE(report.ok()) << report.status();
   return RadialMean(start);
 }

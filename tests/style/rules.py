@@ -20,7 +20,7 @@ ROOMS = {
     # In the order in which a run passes them; see FILE_ROOMS for the first.
     "core/sampling/types": ["core/density", "core/repair"],
     "core/sampling/mesh": ["core/surface"],
-    "core/sampling/input": ["core/sampling/types"],
+    "core/sampling/input": ["core/sampling/types", "core/quality"],
     "core/sampling/start": ["core/sampling/mesh", "core/sampling/types", "core/quality"],
     "core/sampling/relax": ["core/sampling/start"],
     "core/sampling/output": ["core/sampling/mesh", "core/sampling/input"],
@@ -79,9 +79,7 @@ FILE_ROOMS = {
 # room -> its headers that other rooms may include, where that is not all of them.
 PUBLIC = {
     "core/sampling": ["core/sampling/sampling.h"],
-    "core/sampling/input": [
-        "core/sampling/input/density_source.h", "core/sampling/input/source_map.h",
-    ],
+    "core/sampling/input": ["core/sampling/input/prepared_surface.h"],
     "core/sampling/mesh": [],
     "core/sampling/start": [],
     "core/sampling/relax": [],
@@ -91,9 +89,7 @@ PUBLIC = {
 # room of PUBLIC -> further headers, for the rooms of its own house: its parent folder and those
 # beside it.
 PUBLIC_IN_HOUSE = {
-    "core/sampling/input": [
-        "core/sampling/input/crease_refinement.h", "core/sampling/input/face_order.h",
-    ],
+    "core/sampling/input": ["core/sampling/input/source_map.h"],
     "core/sampling/mesh": [
         "core/sampling/mesh/edge_flips.h", "core/sampling/mesh/faults.h",
         "core/sampling/mesh/sample_mesh.h",
@@ -106,6 +102,7 @@ PUBLIC_IN_HOUSE = {
     "core/sampling/relax": ["core/sampling/relax/relaxation.h"],
     "core/sampling/output": [
         "core/sampling/output/export.h", "core/sampling/output/progressive_order.h",
+        "core/sampling/output/stages.h",
     ],
 }
 

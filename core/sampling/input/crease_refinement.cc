@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "core/base/portable_math.h"
+#include "core/mesh/faces.h"
 
 namespace ccst::internal {
 namespace {
@@ -20,9 +21,6 @@ constexpr double kSharpTurn = 40.0 * std::numbers::pi / 180.0;
 /// At edges that turn by more, as a tetrahedron's, rounded normals do better: with true ones
 /// triangles turned over at its corners.
 constexpr double kSharpestTurn = 100.0 * std::numbers::pi / 180.0;
-
-std::int32_t Next(std::int32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
-std::int32_t Previous(std::int32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
 /// The faces while they are split. Half-edge 3 f + k goes from corner k of face f to the next.
 class Bisection {
@@ -74,16 +72,11 @@ class Bisection {
 
  private:
   std::int32_t Origin(std::int32_t h) const { return faces_[h / 3][h % 3]; }
-  std::int32_t Target(std::int32_t h) const { return Origin(Next(h)); }
-
-  Eigen::Vector3d Cross(std::int32_t f) const {
-    const Eigen::Vector3d& a = positions_[faces_[f][0]];
-    return (positions_[faces_[f][1]] - a).cross(positions_[faces_[f][2]] - a);
-  }
+  std::int32_t Target(std::int32_t h) const { return Origin(NextHalfEdge(h)); }
 
   bool IsSharp(std::int32_t h) const {
-    const Eigen::Vector3d a = Cross(h / 3);
-    const Eigen::Vector3d b = Cross(twins_[h] / 3);
+    const Eigen::Vector3d a = FaceCross(positions_, faces_[h / 3]);
+    const Eigen::Vector3d b = FaceCross(positions_, faces_[twins_[h] / 3]);
     const double scale = std::sqrt(a.squaredNorm() * b.squaredNorm());
     return a.dot(b) < PortableCos(kSharpTurn) * scale &&
            a.dot(b) > PortableCos(kSharpestTurn) * scale;
@@ -134,12 +127,12 @@ class Bisection {
   std::int32_t Halve(std::int32_t h, std::int32_t middle) {
     const auto fresh = static_cast<std::int32_t>(faces_.size());
     const std::int32_t face = h / 3;
-    const std::int32_t next = Next(h);
-    faces_.emplace_back(middle, faces_[face][next % 3], faces_[face][Previous(h) % 3]);
+    const std::int32_t next = NextHalfEdge(h);
+    faces_.emplace_back(middle, faces_[face][next % 3], faces_[face][PreviousHalfEdge(h) % 3]);
     faces_[face][next % 3] = middle;
     repaired_.source_face.push_back(repaired_.source_face[face]);
     const std::array<std::int8_t, 3>& corner = repaired_.source_corner[face];
-    repaired_.source_corner.push_back({-1, corner[next % 3], corner[Previous(h) % 3]});
+    repaired_.source_corner.push_back({-1, corner[next % 3], corner[PreviousHalfEdge(h) % 3]});
     repaired_.source_corner[face][next % 3] = -1;
     twins_.resize(twins_.size() + 3, -1);
     sharp_.resize(twins_.size(), 0);

@@ -98,6 +98,7 @@ std::int64_t EdgeFlips::Drain(std::int64_t most, Interrupt* interrupt) {
     for (const std::int32_t e : {SampleMesh::Next(h), SampleMesh::Previous(h), SampleMesh::Next(g),
                                  SampleMesh::Previous(g)}) {
       touched.push_back(mesh_.origin[e]);
+      if (known_ != nullptr) known_[mesh_.origin[e]] = 0;
       Push(e);
     }
   }

@@ -18,9 +18,11 @@ namespace ccst::internal {
 class EdgeFlips {
  public:
   /// @param position, normal  per vertex of `mesh`; neither is owned, all must outlive this.
+  /// @param known  per vertex, not owned, may be null: set to 0 where a triangle is flipped, for
+  ///               those who remember rings.
   EdgeFlips(SampleMesh* mesh, const std::vector<Eigen::Vector3d>* position,
-            const std::vector<Eigen::Vector3d>* normal)
-      : mesh_(*mesh), position_(*position), normal_(*normal) {}
+            const std::vector<Eigen::Vector3d>* normal, std::uint8_t* known = nullptr)
+      : mesh_(*mesh), position_(*position), normal_(*normal), known_(known) {}
 
   /// From now on flips only edges whose two triangles have no vertices but those in [first, end);
   /// others that come up are appended to `beyond`. Those with disjoint ranges may work on one mesh
@@ -53,6 +55,7 @@ class EdgeFlips {
   SampleMesh& mesh_;
   const std::vector<Eigen::Vector3d>& position_;
   const std::vector<Eigen::Vector3d>& normal_;
+  std::uint8_t* const known_;
   std::int32_t first_ = 0;
   std::int32_t end_ = std::numeric_limits<std::int32_t>::max();
   std::vector<std::int32_t> stack_;

@@ -1,11 +1,19 @@
 #include "core/sampling/mesh/sample_mesh.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <utility>
 
 #include "core/base/assert.h"
 
 namespace ccst::internal {
+namespace {
+
+/// A vertex with more edges is a hub: what is next to it is looked for from the other side.
+constexpr std::int32_t kHub = 32;
+
+}  // namespace
 
 void SampleMesh::SetTriangles(std::int32_t vertex_count,
                               const std::vector<Eigen::Vector3i>& triangles) {
@@ -114,27 +122,30 @@ std::int32_t SampleMesh::FindEdge(std::int32_t a, std::int32_t b) const {
   }
 }
 
+std::int32_t SampleMesh::CountNeighbours(std::int32_t v,
+                                         std::span<const std::int32_t> vertices) const {
+  std::int32_t count = 0;
+  if (HasMoreEdges(v, kHub)) {
+    for (const std::int32_t u : vertices) count += u != v && FindEdge(u, v) >= 0 ? 1 : 0;
+    return count;
+  }
+  ForEachNeighbour(v, [&](std::int32_t neighbour) {
+    for (const std::int32_t u : vertices) count += u == neighbour ? 1 : 0;
+  });
+  return count;
+}
+
 std::int32_t SampleMesh::CountCommonNeighbours(std::int32_t v, std::int32_t w) const {
-  const auto for_each_neighbour = [&](std::int32_t u, auto&& f) {
-    ForEachOutgoing(u, [&](std::int32_t e) {
-      f(Target(e));
-      if (twin[Previous(e)] < 0) f(Apex(e));
-    });
-  };
-  std::int32_t common = 0;
-  constexpr std::int32_t kHub = 32;
-  const bool is_hub = HasMoreEdges(v, kHub);
-  if (is_hub || HasMoreEdges(w, kHub)) {
-    for_each_neighbour(is_hub ? w : v, [&](std::int32_t u) {
-      if (u != v && u != w && FindEdge(u, is_hub ? v : w) >= 0) ++common;
-    });
+  if (HasMoreEdges(v, kHub)) std::swap(v, w);
+  if (HasMoreEdges(v, kHub)) {  // Both are hubs.
+    std::int32_t common = 0;
+    ForEachNeighbour(v, [&](std::int32_t u) { common += u != w && FindEdge(u, w) >= 0 ? 1 : 0; });
     return common;
   }
-  if (mark_.size() < outgoing.size()) mark_.resize(outgoing.size(), 0);
-  ++stamp_;
-  for_each_neighbour(v, [&](std::int32_t u) { mark_[u] = stamp_; });
-  for_each_neighbour(w, [&](std::int32_t u) { common += mark_[u] == stamp_; });
-  return common;
+  std::array<std::int32_t, kHub> around;
+  std::size_t count = 0;
+  ForEachNeighbour(v, [&](std::int32_t u) { around[count++] = u; });
+  return CountNeighbours(w, {around.data(), count});
 }
 
 bool SampleMesh::CanFlip(std::int32_t h) const {
@@ -216,7 +227,6 @@ bool SampleMesh::CanCollapse(std::int32_t h) const {
 }
 
 void SampleMesh::Collapse(std::int32_t h) {
-  // CanCollapse() keeps marks of its own, and blocks collapse edges side by side.
   CCST_ASSERT(!IsDead(h / 3) && outgoing[origin[h]] >= 0);
   CCST_ASSERT(!IsBoundary(origin[h]) || twin[h] < 0);
   const std::int32_t v = origin[h];

@@ -1,17 +1,20 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "core/mesh/faces.h"
 
 namespace ccst::internal {
 
 /// The samples and the triangulation over them as half-edge arrays.
 ///
 /// Half-edge 3 t + k goes from corner k of triangle t to corner k + 1; the triangle lies on its
-/// left. Every operation keeps the complex a manifold when its precondition holds, and changes
-/// connectivity only: positions are the caller's.
+/// left. Several threads may call what is const. Every operation keeps the complex a manifold when
+/// its precondition holds, and changes connectivity only: positions are the caller's.
 class SampleMesh {
  public:
   /// What a vertex may do.
@@ -31,8 +34,8 @@ class SampleMesh {
   std::int32_t vertex_count() const { return static_cast<std::int32_t>(outgoing.size()); }
   std::int32_t triangle_count() const { return static_cast<std::int32_t>(origin.size() / 3); }
 
-  static std::int32_t Next(std::int32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
-  static std::int32_t Previous(std::int32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
+  static std::int32_t Next(std::int32_t h) { return NextHalfEdge(h); }
+  static std::int32_t Previous(std::int32_t h) { return PreviousHalfEdge(h); }
   std::int32_t Target(std::int32_t h) const { return origin[Next(h)]; }
   std::int32_t Apex(std::int32_t h) const { return origin[Previous(h)]; }
   bool IsDead(std::int32_t triangle) const { return origin[3 * triangle] < 0; }
@@ -57,6 +60,15 @@ class SampleMesh {
     } while (h >= 0 && h != start);
   }
 
+  /// Calls f(vertex) for every neighbour of `v`, counter-clockwise.
+  template <typename F>
+  void ForEachNeighbour(std::int32_t v, F&& f) const {
+    ForEachOutgoing(v, [&](std::int32_t h) {
+      f(Target(h));
+      if (Rotate(h) < 0) f(Apex(h));
+    });
+  }
+
   /// Number of edges at `v`.
   std::int32_t Degree(std::int32_t v) const;
 
@@ -66,6 +78,10 @@ class SampleMesh {
   /// A half-edge from `a` to `b`, or one from `b` to `a`, or -1 where there is no such edge. Cost
   /// O(edges at the one of the two that has fewer): a hub may have very many.
   std::int32_t FindEdge(std::int32_t a, std::int32_t b) const;
+
+  /// How many of `vertices` are neighbours of `v`. Cost O(edges at `v` + vertices), where `v` has
+  /// very many O(those of the vertices).
+  std::int32_t CountNeighbours(std::int32_t v, std::span<const std::int32_t> vertices) const;
 
   /// True when edge `h` can be turned: interior, not locked, the new edge does not exist yet and no
   /// vertex is left with fewer than three edges.
@@ -77,6 +93,10 @@ class SampleMesh {
   /// (link condition; Dey, Edelsbrunner, Guha, Nekhayev 1999), boundary vertices along the
   /// boundary only, those on locked edges along these only.
   bool CanCollapse(std::int32_t h) const;
+  /// Whether collapsing `h` leaves no triangle on the left of `e`, which starts where `h` does.
+  bool FallsWith(std::int32_t h, std::int32_t e) const {
+    return e == h || (twin[h] >= 0 && e == Next(twin[h]));
+  }
   /// Merges the origin of `h` into its target. Leaves one or two dead triangles and the origin
   /// without edges. @pre CanCollapse(h).
   void Collapse(std::int32_t h);
@@ -105,9 +125,6 @@ class SampleMesh {
   void PointAt(std::int32_t h);
   /// How many vertices are neighbours of both `v` and `w`, which are neighbours.
   std::int32_t CountCommonNeighbours(std::int32_t v, std::int32_t w) const;
-
-  mutable std::vector<std::uint32_t> mark_;
-  mutable std::uint32_t stamp_ = 0;
 };
 
 }  // namespace ccst::internal

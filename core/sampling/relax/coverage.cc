@@ -10,11 +10,12 @@
 
 #include <Eigen/Geometry>
 
-#include "core/base/portable_math.h"
+#include "core/mesh/faces.h"
 #include "core/spatial/box_tree.h"
 #include "core/spatial/point_tree.h"
 #include "core/surface/closest_point.h"
 #include "core/surface/curvature.h"
+#include "core/surface/frame.h"
 
 namespace ccst::internal {
 namespace {
@@ -45,11 +46,10 @@ double AngleDeficit(const Surface& surface, std::int32_t vertex) {
   const std::int32_t start = surface.outgoing()[vertex];
   std::int32_t h = start;
   do {
-    const std::int32_t previous = h - h % 3 + (h % 3 + 2) % 3;
-    const Eigen::Vector3d a = surface.positions()[surface.Target(h)] - surface.positions()[vertex];
-    const Eigen::Vector3d b =
-        surface.positions()[surface.Origin(previous)] - surface.positions()[vertex];
-    deficit -= PortableAtan2(a.cross(b).norm(), a.dot(b));
+    const std::int32_t previous = PreviousHalfEdge(h);
+    deficit -=
+        AngleBetween(surface.positions()[surface.Target(h)] - surface.positions()[vertex],
+                     surface.positions()[surface.Origin(previous)] - surface.positions()[vertex]);
     h = surface.twins()[previous];
   } while (h != start);
   return deficit;

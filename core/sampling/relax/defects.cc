@@ -11,6 +11,7 @@
 
 #include "core/base/portable_math.h"
 #include "core/sampling/mesh/edge_flips.h"
+#include "core/surface/frame.h"
 
 namespace ccst::internal {
 namespace {
@@ -34,18 +35,10 @@ double TwiceArea(const Samples& samples, std::int32_t a, std::int32_t b, std::in
 double TotalAngle(const SampleMesh& mesh, const Samples& samples, std::int32_t v) {
   double sum = 0.0;
   mesh.ForEachOutgoing(v, [&](std::int32_t h) {
-    const Eigen::Vector3d a = samples.position[mesh.Target(h)] - samples.position[v];
-    const Eigen::Vector3d b = samples.position[mesh.Apex(h)] - samples.position[v];
-    sum += PortableAtan2(a.cross(b).norm(), a.dot(b));
+    sum += AngleBetween(samples.position[mesh.Target(h)] - samples.position[v],
+                        samples.position[mesh.Apex(h)] - samples.position[v]);
   });
   return sum;
-}
-
-/// Normal of a face, twice its area long.
-Eigen::Vector3d FaceCross(const Surface& surface, std::int32_t face) {
-  const Eigen::Vector3i& corner = surface.faces()[face];
-  return (surface.positions()[corner[1]] - surface.positions()[corner[0]])
-      .cross(surface.positions()[corner[2]] - surface.positions()[corner[0]]);
 }
 
 /// What decides whether two are too near.
@@ -114,7 +107,7 @@ class DefectSearch {
       std::atomic_ref<std::uint8_t>((*is_middle)[u]).store(1, std::memory_order_relaxed);
     };
     mark(v);
-    ForEachNeighbour(v, mark);
+    mesh_.ForEachNeighbour(v, mark);
   }
 
   /// Pairs of `v` with a neighbour, and of two of its neighbours: all up to two edges apart are
@@ -123,7 +116,7 @@ class DefectSearch {
   void CheckAround(std::int32_t v, std::vector<Sample>* ring, std::vector<Defect>* found) const {
     const Sample middle = SampleAt(v);
     ring->clear();
-    ForEachNeighbour(v, [&](std::int32_t u) { ring->push_back(SampleAt(u)); });
+    mesh_.ForEachNeighbour(v, [&](std::int32_t u) { ring->push_back(SampleAt(u)); });
     for (std::size_t i = 0; i < ring->size(); ++i) {
       const Sample& one = (*ring)[i];
       if (v < one.vertex) CheckPair(middle, one, found);
@@ -156,14 +149,6 @@ class DefectSearch {
     if (worst >= 0) found->push_back({worst, is_grave});
   }
 
-  template <typename Each>
-  void ForEachNeighbour(std::int32_t v, const Each& each) const {
-    mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
-      each(mesh_.Target(h));
-      if (mesh_.twin[SampleMesh::Previous(h)] < 0) each(mesh_.Apex(h));
-    });
-  }
-
   Sample SampleAt(std::int32_t v) const {
     return {
         v, samples_.position[v],
@@ -177,8 +162,8 @@ class DefectSearch {
     const double unit = squared_spacing_[samples_.component[c.vertex]];
     if (distance < limits_.least_separation * limits_.least_separation * unit &&
         (scope_[c.vertex] | scope_[d.vertex]) != 0 &&
-        FaceCross(surface_, samples_.face[c.vertex])
-                .dot(FaceCross(surface_, samples_.face[d.vertex])) > 0.0) {
+        surface_.FaceCross(samples_.face[c.vertex])
+                .dot(surface_.FaceCross(samples_.face[d.vertex])) > 0.0) {
       Blame({c.vertex, d.vertex},
             distance < grave_.least_separation * grave_.least_separation * unit, found);
     }

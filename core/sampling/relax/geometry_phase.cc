@@ -22,8 +22,6 @@ constexpr double kDensityRest = 0.01;
 constexpr std::int64_t kDensityWork = 16;
 /// Triangles or vertices of the surface that one thread takes in one go.
 constexpr std::int32_t kPiece = 8192;
-/// Marks in valences_: the ring is no SmallRing.
-constexpr std::uint8_t kNoSmallRing = 255;
 
 double SpacingOf(const Ring& ring, const RingSums& sums) {
   return std::sqrt(2.0 / std::sqrt(3.0) * sums.area / ring.triangles);
@@ -57,21 +55,16 @@ GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, con
       plan_(*plan),
       energy_(energy),
       parallel_(*parallel),
-      mesh_(*mesh),
-      samples_(*samples),
+      packed_(surface, /*with_triangles=*/!density->uniform(), mesh, samples),
+      mesh_(packed_.mesh()),
+      samples_(packed_.samples()),
       hosts_(HostVertices(*surface, *parallel)),
       levels_{MakeLevels(false), MakeLevels(true)} {
   scale_.reserve(plan->components.size());
   for (const ComponentPlan& component : plan->components) scale_.push_back(1.0 / component.target);
   active_.assign(samples->count(), 1);
   moved_.assign(samples->count(), 1);
-  places_.resize(samples->count());
-  normals_.resize(samples->count());
-  for (std::int32_t v = 0; v < samples->count(); ++v) NotePlace(v);
-  rings_.resize(samples->count());
-  valences_.assign(samples->count(), 0);
   if (density->uniform()) return;
-  triangles_.resize(samples->count());
   mean_density_.assign(mesh->triangle_count(), 1.0F);
   is_outdated_.assign(samples->count(), 1);
   Interrupt never;
@@ -97,10 +90,8 @@ double GeometryPhase::MeanDensity(std::int32_t t) const {
   return 0.25 * sum;
 }
 
-void GeometryPhase::TakeOver(Interrupt* interrupt) {
-  parallel_.ForRanges(samples_.count(), kPiece, [&](std::int64_t first, std::int64_t end) {
-    for (std::int64_t v = first; v < end; ++v) NotePlace(static_cast<std::int32_t>(v));
-  });
+void GeometryPhase::Restore(Snapshot* snapshot, Interrupt* interrupt) {
+  packed_.Restore(snapshot, parallel_);
   std::fill(is_outdated_.begin(), is_outdated_.end(), std::uint8_t{1});
   UpdateDensities(interrupt);
 }
@@ -135,22 +126,16 @@ void GeometryPhase::UpdateDensities(Interrupt* interrupt) {
 
 void GeometryPhase::Activate(std::int32_t v) {
   if (!is_outdated_.empty()) is_outdated_[v] = 1;
-  NotePlace(v);
-  const auto wake = [&](std::int32_t u) {
-    active_[u] = 1;
-    valences_[u] = 0;
-  };
-  wake(v);
+  active_[v] = 1;
   mesh_.ForEachOutgoing(v, [&](std::int32_t h) {
-    wake(mesh_.Target(h));
-    wake(mesh_.Apex(h));
+    active_[mesh_.Target(h)] = 1;
+    active_[mesh_.Apex(h)] = 1;
   });
 }
 
 void GeometryPhase::ActivateFlipped(std::int32_t v) {
   if (!is_outdated_.empty()) is_outdated_[v] = 1;
   active_[v] = 1;
-  valences_[v] = 0;
 }
 
 void GeometryPhase::DeactivateAll() { std::fill(active_.begin(), active_.end(), std::uint8_t{0}); }
@@ -202,7 +187,7 @@ GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
 
 GeometryPhase::Spread GeometryPhase::EstimateCapacities() const {
   const CapacitySources sources = {
-      .places = places_.data(),
+      .places = packed_.places().data(),
       .origins = mesh_.origin.data(),
       .components = samples_.component.data(),
       .scales = scale_.data(),
@@ -210,45 +195,6 @@ GeometryPhase::Spread GeometryPhase::EstimateCapacities() const {
   return SpreadOf([&](std::int32_t first, std::int32_t end) {
     return SumCapacities(sources, registers_, first, end);
   });
-}
-
-void GeometryPhase::NotePlace(std::int32_t v) {
-  const Eigen::Vector3d& position = samples_.position[v];
-  const Eigen::Vector3f normal = samples_.normal[v].cast<float>();
-  places_[v] = {position[0], position[1], position[2], 0.0};
-  normals_[v] = {normal[0], normal[1], normal[2], 0.0F};
-}
-
-void GeometryPhase::MoveTo(std::int32_t v, const SurfacePoint& point,
-                           const Eigen::Vector3d& normal) {
-  samples_.position[v] = point.position;
-  samples_.face[v] = point.face;
-  samples_.weights[v] = point.weights;
-  samples_.normal[v] = normal;
-  NotePlace(v);
-}
-
-bool GeometryPhase::Learn(std::int32_t v) {
-  if (valences_[v] != 0) return valences_[v] != kNoSmallRing;
-  valences_[v] = kNoSmallRing;
-  if (samples_.kind[v] != SampleMesh::Kind::kInterior || mesh_.outgoing[v] < 0) return false;
-  SmallRing& ring = rings_[v];
-  int count = 0;
-  const std::int32_t start = mesh_.outgoing[v];
-  std::int32_t h = start;
-  do {
-    if (count == SmallRing::kMost) return false;
-    if (!triangles_.empty()) triangles_[v].vertex[count] = h / 3;
-    ring.vertex[count++] = mesh_.Target(h);
-    h = mesh_.Rotate(h);
-  } while (h != start && h >= 0);
-  if (h < 0) return false;
-  std::fill(ring.vertex + count, ring.vertex + SmallRing::kMost, ring.vertex[0]);
-  if (!triangles_.empty()) {
-    std::fill(triangles_[v].vertex + count, triangles_[v].vertex + SmallRing::kMost, start / 3);
-  }
-  valences_[v] = static_cast<std::uint8_t>(count);
-  return true;
 }
 
 bool GeometryPhase::Gather(std::int32_t v, Ring* ring) const {
@@ -333,7 +279,7 @@ double GeometryPhase::MoveInterior(std::int32_t v, Ring* ring, RingAngles* angle
     const SurfacePoint point = surface_.Follow(samples_.face[v], s + du * t1 + dw * t2 + rise * n);
     const Eigen::Vector3d normal = surface_.NormalAt(point.face, point.weights);
     if (!Improves(*ring, sums, point.position - s, normal, angles)) continue;
-    MoveTo(v, point, normal);
+    packed_.Move(v, point, normal);
     return (point.position - s).norm();
   }
   return 0.0;
@@ -399,8 +345,7 @@ double GeometryPhase::MoveAlong(std::int32_t v, Ring* ring, RingAngles* angles) 
     }
     const Eigen::Vector3d normal = surface_.NormalAt(point.face, point.weights);
     if (!Improves(*ring, sums, point.position - s, normal, angles)) continue;
-    MoveTo(v, point, normal);
-    samples_.arc[v] = arc;
+    packed_.MoveAlong(v, arc, point, normal);
     return (point.position - s).norm();
   }
   return 0.0;
@@ -427,7 +372,7 @@ void GeometryPhase::NoteMove(std::int32_t v, double relative, const std::int32_t
 }
 
 void GeometryPhase::Visit(std::int32_t v, Ring* ring, Block* block) {
-  Finish(places_.data(), normals_.data(), v, registers_, ring);
+  Finish(packed_.places().data(), packed_.normals().data(), v, registers_, ring);
   RingAngles angles;
   const double move = samples_.kind[v] == SampleMesh::Kind::kInterior
                           ? MoveInterior(v, ring, &angles)

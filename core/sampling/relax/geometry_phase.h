@@ -14,6 +14,7 @@
 #include "core/sampling/mesh/sample_mesh.h"
 #include "core/sampling/mesh/samples.h"
 #include "core/sampling/relax/capacity_sums.h"
+#include "core/sampling/relax/packed_samples.h"
 #include "core/sampling/relax/ring.h"
 #include "core/sampling/relax/ring_batch.h"
 #include "core/sampling/start/plan.h"
@@ -34,6 +35,7 @@ namespace ccst::internal {
 /// Source: Xu et al. 2012, sections 3.3, 3.4 and appendices A, B, with the errata.
 class GeometryPhase {
  public:
+  /// @param mesh, samples  from now on changed through packed() alone.
   /// @param parallel   threads to work on; like the others not owned.
   /// @param interrupt  may be null; once requested, densities count as 1 until they are updated.
   GeometryPhase(const Surface* surface, const Density* density, const Plan* plan, Energy energy,
@@ -68,8 +70,11 @@ class GeometryPhase {
   /// with the next call. Cost O(such triangles).
   void UpdateDensities(Interrupt* interrupt);
 
-  /// Looks at all samples and integrates all densities anew: the mesh or the samples were replaced.
-  void TakeOver(Interrupt* interrupt);
+  /// Goes back to `snapshot`, which is empty then, and integrates all densities anew.
+  void Restore(Snapshot* snapshot, Interrupt* interrupt);
+
+  /// The samples and their mesh. Whoever changes them activates what has changed.
+  PackedSamples& packed() { return packed_; }
 
   /// Marks `v`, whose triangles have changed, and its neighbours for the next pass.
   void Activate(std::int32_t v);
@@ -148,11 +153,6 @@ class GeometryPhase {
   // What follows from a move by `relative` local spacings of `v` among `neighbours`.
   void NoteMove(std::int32_t v, double relative, const std::int32_t* neighbours, int count,
                 Block* block);
-  // Takes over where sample `v` is now.
-  void NotePlace(std::int32_t v);
-  void MoveTo(std::int32_t v, const SurfacePoint& point, const Eigen::Vector3d& normal);
-  // Looks up the neighbours of `v`. @return false where they are no SmallRing.
-  bool Learn(std::int32_t v);
   // Names the ring of `v` and its densities. @return false for a point and for more than fit.
   bool Gather(std::int32_t v, Ring* ring) const;
   // Of equilateral triangles of the target capacity, where the density is uniform.
@@ -175,18 +175,12 @@ class GeometryPhase {
   const Plan& plan_;
   const Energy energy_;
   const Parallel& parallel_;
-  SampleMesh& mesh_;
-  Samples& samples_;
+  PackedSamples packed_;
+  const SampleMesh& mesh_;  // Of packed_, like the next.
+  const Samples& samples_;
   const Registers registers_ = WidestRegisters();
-  std::vector<RingPlace> places_;    // Of the samples.
-  std::vector<RingNormal> normals_;  // Of the samples.
-  std::vector<double> scale_;        // Per component: 1 / C*.
+  std::vector<double> scale_;  // Per component: 1 / C*.
   std::vector<HostVertex> hosts_;
-  // Of samples whose ring is known to be a SmallRing: it and how many they are. Valence 0 where it
-  // is not known, kNoSmallRing where it is none.
-  std::vector<SmallRing> rings_;
-  std::vector<SmallRing> triangles_;  // From each neighbour to the next; with a density only.
-  std::vector<std::uint8_t> valences_;
   // In turn, so that what lies between blocks is not always the same.
   std::array<Levels, 2> levels_;
   std::size_t sweeps_ = 0;

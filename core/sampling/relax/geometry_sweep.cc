@@ -40,7 +40,7 @@ GeometryPhase::Levels GeometryPhase::MakeLevels(bool shifted) {
     for (std::int64_t first = -shift; first < count; first += size) {
       const auto begin = static_cast<std::int32_t>(std::max<std::int64_t>(first, 0));
       const auto end = static_cast<std::int32_t>(std::min(first + size, count));
-      blocks.emplace_back(begin, end, EdgeFlips(&mesh_, &samples_.position, &samples_.normal));
+      blocks.emplace_back(begin, end, packed_.MakeFlips());
     }
     size *= kFan;
   } while (levels.back().size() > 1);
@@ -48,24 +48,24 @@ GeometryPhase::Levels GeometryPhase::MakeLevels(bool shifted) {
 }
 
 void GeometryPhase::VisitTogether(Batch* batch, Ring* ring, Block* block) {
-  if (HasNeighbours(rings_.data(), registers_, *batch)) {
+  if (HasNeighbours(packed_.rings().data(), registers_, *batch)) {
     for (const std::int32_t v : batch->vertex) VisitAlone(v, ring, block);
     return;
   }
   for (int k = 0; k < Batch::kSize; ++k) {
     batch->scale[k] = static_cast<float>(0.5 * scale_[samples_.component[batch->vertex[k]]]);
   }
-  const BatchSources sources = {.places = places_.data(),
-                                .normals = normals_.data(),
-                                .rings = rings_.data(),
-                                .valences = valences_.data(),
+  const BatchSources sources = {.places = packed_.places().data(),
+                                .normals = packed_.normals().data(),
+                                .rings = packed_.rings().data(),
+                                .valences = packed_.valences().data(),
                                 .faces = samples_.face.data(),
                                 .weights = samples_.weights.data(),
                                 .corners = surface_.faces().data(),
                                 .vertices = hosts_.data(),
                                 .surface = &surface_,
                                 .densities = mean_density_.empty() ? nullptr : mean_density_.data(),
-                                .triangles = triangles_.data(),
+                                .triangles = packed_.triangles().data(),
                                 .energy = energy_,
                                 .stretch = static_cast<float>(stretch),
                                 .longest = static_cast<float>(kLongestStep),
@@ -85,12 +85,12 @@ void GeometryPhase::VisitTogether(Batch* batch, Ring* ring, Block* block) {
     if ((batch->moves >> k & 1) == 0) continue;
     const double* position = batch->position[k];
     const double* weights = batch->weights[k];
-    MoveTo(v,
-           {.face = batch->face[k],
-            .weights = {weights[0], weights[1], weights[2]},
-            .position = {position[0], position[1], position[2]}},
-           {batch->normal[0][k], batch->normal[1][k], batch->normal[2][k]});
-    NoteMove(v, batch->move[k], rings_[v].vertex, valences_[v], block);
+    packed_.Move(v,
+                 {.face = batch->face[k],
+                  .weights = {weights[0], weights[1], weights[2]},
+                  .position = {position[0], position[1], position[2]}},
+                 {batch->normal[0][k], batch->normal[1][k], batch->normal[2][k]});
+    NoteMove(v, batch->move[k], packed_.rings()[v].vertex, packed_.valences()[v], block);
   }
   for (int k = 0; k < Batch::kSize; ++k) {
     if ((batch->settled >> k & 1) == 0) VisitAlone(batch->vertex[k], ring, block);
@@ -108,8 +108,8 @@ void GeometryPhase::VisitBlock(Block* block, Scratch* scratch, Interrupt* interr
   Ring& ring = scratch->ring;
   for (const std::int32_t v : scratch->candidates) {
     if (interrupt->RequestedAfter(kGatherWork)) return;
-    if (Learn(v)) {
-      if (is_inside(rings_[v].vertex, SmallRing::kMost)) {
+    if (packed_.LearnRing(v)) {
+      if (is_inside(packed_.rings()[v].vertex, SmallRing::kMost)) {
         active_[v] = 0;
         plain.push_back(v);
       } else {

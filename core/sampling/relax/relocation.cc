@@ -1,6 +1,7 @@
 #include "core/sampling/relax/relocation.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 
@@ -10,15 +11,14 @@ namespace {
 /// One call of Relocate().
 class Relocation {
  public:
-  Relocation(const Surface& surface, Projection* projection, GeometryPhase* geometry,
-             EdgeFlips* flips, SampleMesh* mesh, Samples* samples)
-      : surface_(surface),
-        projection_(*projection),
+  Relocation(Projection* projection, GeometryPhase* geometry, EdgeFlips* flips)
+      : projection_(*projection),
         geometry_(*geometry),
+        packed_(geometry->packed()),
         flips_(*flips),
-        mesh_(*mesh),
-        samples_(*samples),
-        busy_(samples->count(), 0) {}
+        mesh_(packed_.mesh()),
+        samples_(packed_.samples()),
+        busy_(samples_.count(), 0) {}
 
   /// Keeps the samples around `v` out of further changes: their rings are not settled.
   void Reserve(std::int32_t v) {
@@ -69,7 +69,7 @@ class Relocation {
 
   /// Merges `v` into the neighbour that leaves the best-facing, roundest triangles.
   /// @return false when none would keep the topology. The triangles that fell free are slots.
-  bool TakeOut(std::int32_t v, std::int32_t slots[2]) {
+  bool TakeOut(std::int32_t v, std::array<std::int32_t, 2>* slots) {
     ring_.clear();
     mesh_.ForEachOutgoing(v, [&](std::int32_t h) { ring_.push_back(h); });
     double best = -2.0;
@@ -83,19 +83,17 @@ class Relocation {
     }
     if (chosen < 0) return false;
     const std::int32_t w = mesh_.Target(chosen);
-    slots[0] = chosen / 3;
-    slots[1] = mesh_.twin[chosen] / 3;
-    mesh_.Collapse(chosen);
+    *slots = {chosen / 3, mesh_.twin[chosen] / 3};
+    packed_.Collapse(chosen);
     flips_.FlipAround(w);
     Reserve(w);
     geometry_.Activate(w);
     return true;
   }
 
-  void PutIn(std::int32_t v, std::int32_t t, const std::int32_t slots[2],
+  void PutIn(std::int32_t v, std::int32_t t, const std::array<std::int32_t, 2>& slots,
              const SurfacePoint& point) {
-    samples_.Place(v, surface_, point);
-    mesh_.InsertIntoTriangle(v, t, slots[0], slots[1]);
+    packed_.Insert(v, point, t, slots);
     Reserve(v);
     flips_.FlipAround(v);
     geometry_.Activate(v);
@@ -117,10 +115,9 @@ class Relocation {
  private:
   double WorstAfter(std::int32_t h) const {
     const std::int32_t w = mesh_.Target(h);
-    const std::int32_t g = mesh_.twin[h];
     double worst = 2.0;
     for (const std::int32_t e : ring_) {
-      if (e == h || (g >= 0 && e == SampleMesh::Next(g))) continue;
+      if (mesh_.FallsWith(h, e)) continue;
       const std::int32_t b = mesh_.Target(e);
       const std::int32_t c = mesh_.Apex(e);
       worst = std::min(worst, Facing(samples_.position, samples_.normal, w, b, c) *
@@ -129,12 +126,12 @@ class Relocation {
     return worst;
   }
 
-  const Surface& surface_;
   Projection& projection_;
   GeometryPhase& geometry_;
+  PackedSamples& packed_;
   EdgeFlips& flips_;
-  SampleMesh& mesh_;
-  Samples& samples_;
+  const SampleMesh& mesh_;
+  const Samples& samples_;
   std::vector<std::uint8_t> busy_;
   std::vector<std::int32_t> ring_;
 };
@@ -154,9 +151,11 @@ SurfacePoint AtVertex(const Surface& surface, std::int32_t vertex) {
 std::int64_t Relocate(const std::vector<Defect>& defects,
                       const std::vector<UncoveredPlace>& uncovered, const Surface& surface,
                       Projection* projection, GeometryPhase* geometry, EdgeFlips* flips,
-                      Interrupt* interrupt, SampleMesh* mesh, Samples* samples) {
+                      Interrupt* interrupt) {
   if (defects.empty() && uncovered.empty()) return 0;
-  Relocation relocation(surface, projection, geometry, flips, mesh, samples);
+  const SampleMesh& mesh = geometry->packed().mesh();
+  const Samples& samples = geometry->packed().samples();
+  Relocation relocation(projection, geometry, flips);
   std::vector<std::int32_t> crowded;
   crowded.reserve(defects.size());
   for (const Defect& defect : defects) crowded.push_back(defect.sample);
@@ -164,9 +163,9 @@ std::int64_t Relocate(const std::vector<Defect>& defects,
 
   if (crowded.size() < uncovered.size()) {
     std::vector<std::pair<double, std::int32_t>> least;
-    for (std::int32_t v = 0; v < samples->count() && !interrupt->RequestedAt(v); ++v) {
-      if (samples->kind[v] != SampleMesh::Kind::kInterior || relocation.IsBusy(v)) continue;
-      least.emplace_back(RingArea(*mesh, *samples, v) / mesh->Degree(v), v);
+    for (std::int32_t v = 0; v < samples.count() && !interrupt->RequestedAt(v); ++v) {
+      if (samples.kind[v] != SampleMesh::Kind::kInterior || relocation.IsBusy(v)) continue;
+      least.emplace_back(RingArea(mesh, samples, v) / mesh.Degree(v), v);
     }
     const std::size_t more = std::min(uncovered.size() - crowded.size(), least.size());
     std::partial_sort(least.begin(), least.begin() + static_cast<std::ptrdiff_t>(more),
@@ -178,29 +177,29 @@ std::int64_t Relocate(const std::vector<Defect>& defects,
   std::size_t next_room = 0;
   std::size_t next_place = 0;
   std::int64_t count = 0;
-  std::int32_t slots[2];
+  std::array<std::int32_t, 2> slots;
   std::int64_t tried = 0;
   for (const std::int32_t v : crowded) {
     if (interrupt->RequestedAt(tried++)) break;
     if (next_place < uncovered.size()) {
       const UncoveredPlace& place = uncovered[next_place];
-      const std::int32_t* corner = &mesh->origin[3 * place.triangle];
+      const std::int32_t* corner = &mesh.origin[3 * place.triangle];
       const bool usable = corner[0] >= 0 && corner[0] != v && corner[1] != v && corner[2] != v &&
-                          samples->component[corner[0]] == samples->component[v];
+                          samples.component[corner[0]] == samples.component[v];
       if (usable) {
         ++next_place;
-        if (!relocation.TakeOut(v, slots)) continue;
+        if (!relocation.TakeOut(v, &slots)) continue;
         relocation.PutIn(v, place.triangle, slots, AtVertex(surface, place.vertex));
         ++count;
         continue;
       }
     }
-    while (next_room < room.size() && !relocation.HasRoom(room[next_room], samples->component[v])) {
+    while (next_room < room.size() && !relocation.HasRoom(room[next_room], samples.component[v])) {
       ++next_room;
     }
     if (next_room == room.size()) break;
     const std::int32_t t = room[next_room++];
-    if (!relocation.TakeOut(v, slots)) continue;
+    if (!relocation.TakeOut(v, &slots)) continue;
     relocation.PutIn(v, t, slots, relocation.Center(t));
     ++count;
   }

@@ -6,22 +6,12 @@
 
 #include <Eigen/Geometry>
 
-#include "core/base/portable_math.h"
+#include "core/surface/frame.h"
 
 namespace ccst::internal {
 namespace {
 
 constexpr double kCornerTurn = 45.0 * std::numbers::pi / 180.0;
-
-Eigen::Vector3d FaceCross(const Surface& surface, std::int32_t face) {
-  const Eigen::Vector3i& corner = surface.faces()[face];
-  return (surface.positions()[corner[1]] - surface.positions()[corner[0]])
-      .cross(surface.positions()[corner[2]] - surface.positions()[corner[0]]);
-}
-
-double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return PortableAtan2(a.cross(b).norm(), a.dot(b));
-}
 
 class Finder {
  public:
@@ -33,7 +23,7 @@ class Finder {
       const std::int32_t g = surface.twins()[h];
       if (g < 0 || h > g) continue;
       if (!(surface.face_areas()[h / 3] > 0.0) || !(surface.face_areas()[g / 3] > 0.0)) continue;
-      const double turn = AngleBetween(FaceCross(surface, h / 3), FaceCross(surface, g / 3));
+      const double turn = AngleBetween(surface.FaceCross(h / 3), surface.FaceCross(g / 3));
       sharp_[h] = sharp_[g] = turn > angle;
     }
   }

@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-#include "core/base/portable_math.h"
+#include "core/surface/frame.h"
 
 namespace ccst::internal {
 namespace {
@@ -157,7 +157,7 @@ std::vector<double> FindCorners(const Surface& surface, const LoopPlan& loop,
     const Eigen::Vector3d here = PointAt(surface, loop, arc).position;
     const Eigen::Vector3d before = here - PointAt(surface, loop, wrap(arc - reach)).position;
     const Eigen::Vector3d after = PointAt(surface, loop, wrap(arc + reach)).position - here;
-    const double turn = PortableAtan2(before.cross(after).norm(), before.dot(after));
+    const double turn = AngleBetween(before, after);
     if (turn > kCornerTurn) turns.emplace_back(-turn, arc);
   }
   std::sort(turns.begin(), turns.end());

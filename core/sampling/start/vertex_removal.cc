@@ -96,10 +96,9 @@ class Removal {
   /// Worst quality of the triangles that collapsing `h` would leave; gives up below `enough`.
   double WorstAfter(std::int32_t h, std::int32_t v, double enough) const {
     const std::int32_t w = mesh_.Target(h);
-    const std::int32_t g = mesh_.twin[h];
     double worst = std::numeric_limits<double>::max();
     for (const std::int32_t e : ring_) {
-      if (e == h || (g >= 0 && e == SampleMesh::Next(g))) continue;
+      if (mesh_.FallsWith(h, e)) continue;
       const std::int32_t b = mesh_.Target(e);
       const std::int32_t c = mesh_.Apex(e);
       const Eigen::Vector3d up = (normal_[v] + normal_[w] + normal_[b] + normal_[c]) * 0.25;

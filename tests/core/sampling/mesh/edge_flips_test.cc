@@ -159,9 +159,9 @@ TEST(EdgeFlips, RestrictedToHalvesLeaveTheRestToOthers) {
 TEST(EdgeFlips, SpoiltEdgesOfThePassesAreEnough) {
   Interrupt never;
   Start start = *MakeStart(shapes::Torus(1, 0.4, 80, 40), 1500, 5);
-  EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
   GeometryPhase geometry(&start.surface, &start.density, &start.plan, Energy::kTarget, &start.mesh,
                          &start.samples, &sampling_test::kOneThread);
+  EdgeFlips flips = geometry.packed().MakeFlips();
   for (int round = 0; round < 40; ++round) {
     geometry.Pass(&never);
     flips.touched.clear();

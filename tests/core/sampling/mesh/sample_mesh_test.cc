@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/parallel/parallel.h"
 #include "core/random/random.h"
 #include "core/sampling/mesh/faults.h"
 #include "tests/core/sampling/sampling_test_util.h"
@@ -219,6 +220,61 @@ TEST(SampleMesh, DegreeAndFindEdgeAgreeWithTheTriangles) {
     }
     EXPECT_EQ(mesh.Degree(a), degree);
   }
+}
+
+TEST(SampleMesh, NeighboursAreTheOtherEndsOfTheEdges) {
+  const TriangleMesh shape = shapes::Cylinder(1, 1, 5, 3);
+  const SampleMesh mesh = From(shape);
+  std::vector<std::set<std::int32_t>> joined(shape.positions.size());
+  for (const Eigen::Vector3i& t : shape.faces) {
+    for (int k = 0; k < 3; ++k) {
+      joined[t[k]].insert(t[(k + 1) % 3]);
+      joined[t[k]].insert(t[(k + 2) % 3]);
+    }
+  }
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    std::multiset<std::int32_t> found;
+    mesh.ForEachNeighbour(v, [&](std::int32_t u) { found.insert(u); });
+    EXPECT_EQ(found, std::multiset<std::int32_t>(joined[v].begin(), joined[v].end()));
+  }
+}
+
+TEST(SampleMesh, NeighboursAreCountedAtHubsToo) {
+  const SampleMesh mesh = From(shapes::UvSphere(4, 60));  // The poles have 60 edges each.
+  std::vector<std::int32_t> some;
+  for (std::int32_t u = 0; u < mesh.vertex_count(); u += 3) some.push_back(u);
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const auto expected = std::count_if(some.begin(), some.end(), [&](std::int32_t u) {
+      return u != v && mesh.FindEdge(u, v) >= 0;
+    });
+    EXPECT_EQ(mesh.CountNeighbours(v, some), expected) << v;
+  }
+}
+
+TEST(SampleMesh, TrianglesFallAsForetold) {
+  for (const TriangleMesh& shape : {shapes::Icosphere(2), shapes::PlaneGrid(1, 1, 6, 6)}) {
+    const SampleMesh before = From(shape);
+    for (std::int32_t h = 0; h < 3 * before.triangle_count(); h += 7) {
+      if (!before.CanCollapse(h)) continue;
+      SampleMesh after = before;
+      after.Collapse(h);
+      before.ForEachOutgoing(before.origin[h], [&](std::int32_t e) {
+        EXPECT_EQ(before.FallsWith(h, e), after.IsDead(e / 3));
+      });
+    }
+  }
+}
+
+TEST(SampleMesh, SeveralThreadsMayAskWhatCanCollapse) {
+  const SampleMesh mesh = From(shapes::Icosphere(4));
+  const std::int32_t count = 3 * mesh.triangle_count();
+  std::vector<std::uint8_t> alone(count);
+  for (std::int32_t h = 0; h < count; ++h) alone[h] = mesh.CanCollapse(h) ? 1 : 0;
+  std::vector<std::uint8_t> together(count);
+  Parallel(4).For(count, [&](std::int64_t h) {
+    together[h] = mesh.CanCollapse(static_cast<std::int32_t>(h)) ? 1 : 0;
+  });
+  EXPECT_EQ(together, alone);
 }
 
 // Independent of the half-edges: the edge's vertices have just its triangles' third ones in common.

@@ -142,11 +142,11 @@ TEST(Relocate, KeepsCountsTopologyAndHosts) {
                            &start.mesh, &start.samples, &sampling_test::kOneThread);
     const Parallel parallel;
     Projection projection(&start.surface, 0.5 * start.plan.spacing, &parallel);
-    EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
+    EdgeFlips flips = geometry.packed().MakeFlips();
     const std::vector<Defect> defects = Find(start, kLimits);
     Interrupt never;
-    const std::int64_t moved = Relocate(defects, {}, start.surface, &projection, &geometry, &flips,
-                                        &never, &start.mesh, &start.samples);
+    const std::int64_t moved =
+        Relocate(defects, {}, start.surface, &projection, &geometry, &flips, &never);
     EXPECT_GT(moved, 0);
     EXPECT_LE(moved, static_cast<std::int64_t>(defects.size()));
     EXPECT_EQ(start.samples.count(), 900);
@@ -174,7 +174,7 @@ TEST(Relocate, UncoveredPlaceGetsASample) {
                          &start.samples, &sampling_test::kOneThread);
   const Parallel parallel;
   Projection projection(&start.surface, 0.5 * start.plan.spacing, &parallel);
-  EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
+  EdgeFlips flips = geometry.packed().MakeFlips();
   // The surface's vertex nearest the middle of the largest triangle.
   std::int32_t largest = 0;
   for (std::int32_t t = 0; t < start.mesh.triangle_count(); ++t) {
@@ -191,9 +191,9 @@ TEST(Relocate, UncoveredPlaceGetsASample) {
   const auto vertex =
       static_cast<std::int32_t>(std::min_element(p.begin(), p.end(), nearer) - p.begin());
   Interrupt never;
-  EXPECT_EQ(Relocate({}, {{vertex, largest, 1.0}}, start.surface, &projection, &geometry, &flips,
-                     &never, &start.mesh, &start.samples),
-            1);
+  EXPECT_EQ(
+      Relocate({}, {{vertex, largest, 1.0}}, start.surface, &projection, &geometry, &flips, &never),
+      1);
   EXPECT_EQ(std::count(start.samples.position.begin(), start.samples.position.end(), p[vertex]), 1);
   EXPECT_TRUE(sampling_test::Topology(start.mesh).IsManifold());
 }
@@ -204,12 +204,10 @@ TEST(Relocate, NothingToDoChangesNothing) {
                          &start.samples, &sampling_test::kOneThread);
   const Parallel parallel;
   Projection projection(&start.surface, 0.5 * start.plan.spacing, &parallel);
-  EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
+  EdgeFlips flips = geometry.packed().MakeFlips();
   const std::vector<std::int32_t> before = start.mesh.origin;
   Interrupt never;
-  EXPECT_EQ(Relocate({}, {}, start.surface, &projection, &geometry, &flips, &never, &start.mesh,
-                     &start.samples),
-            0);
+  EXPECT_EQ(Relocate({}, {}, start.surface, &projection, &geometry, &flips, &never), 0);
   EXPECT_EQ(start.mesh.origin, before);
 }
 
@@ -219,15 +217,13 @@ TEST(Relocate, StopLeavesEverySampleWhereItIs) {
                          &start.samples, &sampling_test::kOneThread);
   const Parallel parallel;
   Projection projection(&start.surface, 0.5 * start.plan.spacing, &parallel);
-  EdgeFlips flips(&start.mesh, &start.samples.position, &start.samples.normal);
+  EdgeFlips flips = geometry.packed().MakeFlips();
   const std::vector<Defect> defects = Find(start, kLimits);
   ASSERT_FALSE(defects.empty());
   std::stop_source stop;
   stop.request_stop();
   Interrupt interrupt(stop.get_token());
-  EXPECT_EQ(Relocate(defects, {}, start.surface, &projection, &geometry, &flips, &interrupt,
-                     &start.mesh, &start.samples),
-            0);
+  EXPECT_EQ(Relocate(defects, {}, start.surface, &projection, &geometry, &flips, &interrupt), 0);
   EXPECT_TRUE(sampling_test::Topology(start.mesh).IsManifold());
 }
 
