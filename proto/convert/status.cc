@@ -6,6 +6,7 @@
 #include "absl/strings/match.h"
 #include "core/base/limit_error.h"
 #include "core/base/status.h"
+#include "proto/convert/error_reasons.h"
 
 namespace ccst {
 namespace {
@@ -22,15 +23,6 @@ std::string ReasonOf(const absl::Status& status) {
                                    ? ErrorReason::kCancelled
                                    : ErrorReason::kInternal;
   return std::string(ErrorReasonName(fallback));
-}
-
-std::optional<ErrorReason> ReasonByName(std::string_view name) {
-  for (int i = 0;; ++i) {
-    const auto reason = static_cast<ErrorReason>(i);
-    const std::string_view candidate = ErrorReasonName(reason);
-    if (candidate == "UNKNOWN") return std::nullopt;
-    if (candidate == name) return reason;
-  }
 }
 
 }  // namespace
@@ -83,7 +75,7 @@ absl::Status FromProto(const v1::Status& status) {
   const auto code = static_cast<absl::StatusCode>(status.code());
   v1::ErrorInfo info;
   for (const google::protobuf::Any& detail : status.details()) detail.UnpackTo(&info);
-  const auto reason = info.domain() == kErrorDomain ? ReasonByName(info.reason()) : std::nullopt;
+  const auto reason = info.domain() == kErrorDomain ? FindErrorReason(info.reason()) : std::nullopt;
   absl::Status result = reason.has_value() ? MakeError(code, *reason, status.message())
                                            : absl::Status(code, status.message());
   for (const google::protobuf::Any& detail : status.details()) {

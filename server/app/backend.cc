@@ -10,7 +10,6 @@
 #include "core/base/status.h"
 #include "server/base/without_throwing.h"
 #include "server/jobs/memory_estimate.h"
-#include "server/rpc/job_codec.h"
 #include "server/rpc/mesh_messages.h"
 
 namespace ccst::server {
@@ -110,7 +109,6 @@ absl::StatusOr<std::unique_ptr<Backend>> Backend::Open(const ServerOptions& opti
   run.max_seconds = options.request_limits.max_job_seconds;
   CCST_ASSIGN_OR_RETURN(backend->jobs_, JobManager::Start(*backend->store_, *backend->pins_, jobs,
                                                           {.run = run,
-                                                           .codec = ProtoJobCodec(),
                                                            .new_id = std::move(dependencies.new_id),
                                                            .observer = dependencies.observer,
                                                            .budget = budget,

@@ -15,23 +15,11 @@
 #include "core/sampling/sampling.h"
 #include "server/base/clock.h"
 #include "server/base/mutex.h"
+#include "server/formats/job_outcome.h"
 #include "server/jobs/job_spec.h"
 #include "server/jobs/job_state.h"
 
 namespace ccst::server {
-
-/// What came out of a whole run: its figures. The samples are a blob of their own.
-struct JobResult {
-  SamplingResult run;  ///< `samples` empty.
-  std::int64_t sample_count = 0;
-  std::int64_t triangle_count = 0;
-  std::string samples_sha256;      ///< Of the layout of proto/docs/samples.md.
-  std::int64_t samples_bytes = 0;  ///< Length of what that digest is of.
-  double queue_seconds = 0.0;
-  double decode_seconds = 0.0;
-  double total_seconds = 0.0;  ///< Decoding and the run.
-  std::vector<std::string> warnings;
-};
 
 /// A thinned-out look at the samples after one alternation.
 struct JobPreview {

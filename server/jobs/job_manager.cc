@@ -9,6 +9,8 @@
 #include "core/base/limit_error.h"
 #include "core/base/printable_text.h"
 #include "core/base/status.h"
+#include "server/formats/job_history.h"
+#include "server/jobs/job_records.h"
 #include "server/jobs/stored_samples.h"
 #include "server/meshes/pinned_blob.h"
 
@@ -78,12 +80,11 @@ JobManager::JobManager(Store& store, BlobPins& pins, const JobManagerOptions& op
       pins_(pins),
       options_(options),
       dependencies_(std::move(dependencies)),
-      records_(dependencies_.codec),
       budget_(dependencies_.budget != nullptr
                   ? dependencies_.budget
                   : std::make_shared<MemoryBudget>(options.memory_budget_bytes)),
       notifier_(1, kMaxPosted),
-      runs_(store_, pins_, options_, dependencies_, records_, live_, budget_) {}
+      runs_(store_, pins_, options_, dependencies_, live_, budget_) {}
 
 JobManager::~JobManager() = default;
 
@@ -102,12 +103,11 @@ void JobManager::TakeUp(const JobRecord& record) {
   const auto report = [this](const std::string& text) {
     if (dependencies_.report) dependencies_.report(text);
   };
-  auto spec = records_.SpecOf(record);
+  auto spec = SpecOf(record);
   if (!spec.ok()) {
     // Others shall run nevertheless, also where even this cannot be stored.
     const absl::Status ended = store_.EndJob(
-        records_.Failed(record, spec.status(), dependencies_.run.clock.now(), options_.retention),
-        "");
+        FailedRecord(record, spec.status(), dependencies_.run.clock.now(), options_.retention), "");
     if (!ended.ok()) report("jobs/" + record.id + " is lost: " + std::string(ended.message()));
     return;
   }
@@ -168,7 +168,7 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::FindRequest(const JobSpec& spec
   CCST_ASSIGN_OR_RETURN(earlier, store_.FindRequest(spec.owner, spec.request_id));
   if (!earlier.has_value()) return nullptr;
   bool is_same = false;
-  CCST_ASSIGN_OR_RETURN(is_same, records_.IsOf(*earlier, spec));
+  CCST_ASSIGN_OR_RETURN(is_same, IsOf(*earlier, spec));
   if (!is_same) {
     return MakeError(absl::StatusCode::kInvalidArgument, ErrorReason::kRequestInvalid,
                      "the request_id '" + spec.request_id + "' was used for jobs/" + earlier->id +
@@ -185,8 +185,7 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::Accept(const JobSpec& spec) {
   CCST_RETURN_IF_ERROR(store_.blobs().CheckRoom(EstimateStoredBytes(spec.options.sample_count)));
   auto place = runs_.runner().Reserve(spec.share);
   if (!place.ok()) return place.status();
-  const JobRecord record =
-      records_.New(dependencies_.new_id(), spec, dependencies_.run.clock.now());
+  const JobRecord record = NewRecord(dependencies_.new_id(), spec, dependencies_.run.clock.now());
   CCST_RETURN_IF_ERROR(CheckRecordRoom(
       store_, spec.owner, BytesOf(record) + record.expected_end_bytes, options_.records));
   if (!spec.skip_cache_lookup) {
@@ -225,7 +224,7 @@ absl::StatusOr<std::optional<JobRecord>> JobManager::AnswerFromCache(const JobRe
   std::optional<JobRecord> kept;
   CCST_ASSIGN_OR_RETURN(kept, store_.GetJob(found->id));
   if (!kept.has_value()) return std::nullopt;
-  return store_.AddEndedJob(records_.Answered(record, *found, now, options_.retention), *history);
+  return store_.AddEndedJob(AnsweredRecord(record, *found, now, options_.retention), *history);
 }
 
 absl::StatusOr<std::shared_ptr<Job>> JobManager::Find(const std::string& owner,
@@ -247,15 +246,15 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::Find(const std::string& owner,
 
 absl::StatusOr<std::shared_ptr<Job>> JobManager::Restore(const JobRecord& record) {
   JobSpec spec;
-  CCST_ASSIGN_OR_RETURN(spec, records_.SpecOf(record));
+  CCST_ASSIGN_OR_RETURN(spec, SpecOf(record));
   JobView view;
-  CCST_ASSIGN_OR_RETURN(view, records_.ViewOf(record));
+  CCST_ASSIGN_OR_RETURN(view, ViewOf(record));
   // A damaged history keeps nobody from the result.
   const auto history = store_.GetHistory(record.id);
   if (!history.ok() && !absl::IsDataLoss(history.status())) return history.status();
   absl::StatusOr<std::vector<AlternationReport>> reports = std::vector<AlternationReport>();
   if (history.ok()) {
-    reports = records_.ReportsOf(*history);
+    reports = DecodeHistory(*history);
   } else {
     reports = history.status();
   }
@@ -289,8 +288,8 @@ absl::StatusOr<Page<JobSummary>> JobManager::List(const JobFilter& filter, int p
       summary.spec = live->spec();
       summary.view = live->View();
     } else {
-      auto spec = records_.SpecOf(record);
-      auto view = records_.ViewOf(record);
+      auto spec = SpecOf(record);
+      auto view = ViewOf(record);
       const absl::Status readable = spec.ok() ? view.status() : spec.status();
       if (!readable.ok()) {
         // One that is damaged must not hide the others, whatever state was asked for.

@@ -14,7 +14,6 @@
 #include "server/base/mutex.h"
 #include "server/jobs/job.h"
 #include "server/jobs/job_manager_options.h"
-#include "server/jobs/job_records.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/job_runs.h"
 #include "server/jobs/live_jobs.h"
@@ -135,7 +134,6 @@ class JobManager {
   BlobPins& pins_;
   const JobManagerOptions options_;
   const JobManagerDependencies dependencies_;
-  const JobRecords records_;
   const std::shared_ptr<MemoryBudget> budget_;
 
   LiveJobs live_;

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "absl/time/time.h"
-#include "server/jobs/job_codec.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/memory_budget.h"
 #include "server/jobs/run_dependencies.h"
@@ -27,7 +26,6 @@ struct JobManagerOptions {
 /// What jobs are made of beside the store.
 struct JobManagerDependencies {
   RunDependencies run;
-  JobCodec codec;
   std::function<std::string()> new_id;
   JobObserver* observer = nullptr;  ///< Not owned.
   /// Shared with others that need memory; null: one of its own, with `memory_budget_bytes`.

@@ -1,9 +1,12 @@
 #include "server/jobs/job_records.h"
 
 #include <cstdint>
+#include <utility>
 
 #include "core/base/printable_text.h"
 #include "core/base/status.h"
+#include "server/formats/job_definition.h"
+#include "server/formats/job_outcome.h"
 
 namespace ccst::server {
 namespace {
@@ -12,9 +15,16 @@ namespace {
 constexpr std::int64_t kOutcomeBytes = 1024;
 constexpr std::int64_t kReportBytes = 64;
 
+JobDefinition DefinitionOf(const JobSpec& spec) {
+  return {.options = spec.options,
+          .origin = spec.origin,
+          .abandon_seconds = spec.abandon_seconds,
+          .ends_with_caller = spec.ends_with_caller};
+}
+
 }  // namespace
 
-JobRecord JobRecords::New(const std::string& id, const JobSpec& spec, absl::Time now) const {
+JobRecord NewRecord(const std::string& id, const JobSpec& spec, absl::Time now) {
   JobRecord record;
   record.id = id;
   record.owner = spec.owner;
@@ -24,14 +34,14 @@ JobRecord JobRecords::New(const std::string& id, const JobSpec& spec, absl::Time
   record.mesh_sha256 = spec.mesh_sha256;
   record.texture_sha256 = spec.texture_sha256;
   record.spec_digest = SpecDigest(spec);
-  record.definition = codec_.encode_definition(spec);
+  record.definition = EncodeDefinition(DefinitionOf(spec));
   record.create_time = now;
   record.expected_end_bytes = kOutcomeBytes + kReportBytes * spec.options.max_iterations;
   return record;
 }
 
-JobRecord JobRecords::Answered(const JobRecord& job, const JobRecord& found, absl::Time now,
-                               absl::Duration retention) const {
+JobRecord AnsweredRecord(const JobRecord& job, const JobRecord& found, absl::Time now,
+                         absl::Duration retention) {
   JobRecord answered = job;
   answered.state = JobState::kSucceeded;
   answered.start_time = now;
@@ -44,19 +54,18 @@ JobRecord JobRecords::Answered(const JobRecord& job, const JobRecord& found, abs
   return answered;
 }
 
-JobRecord JobRecords::Failed(const JobRecord& record, const absl::Status& error, absl::Time now,
-                             absl::Duration retention) const {
-  JobView end;
-  end.error = error;
+JobRecord FailedRecord(const JobRecord& record, const absl::Status& error, absl::Time now,
+                       absl::Duration retention) {
   JobRecord failed = record;
   failed.state = JobState::kFailed;
   failed.end_time = now;
   failed.expire_time = now + retention;
-  failed.outcome = codec_.encode_outcome(end);
+  failed.outcome =
+      EncodeOutcome({.result = nullptr, .error = error, .phase = {}, .last_report = {}});
   return failed;
 }
 
-JobRecord JobRecords::Ended(const Job& job, const JobView& end, absl::Duration retention) const {
+JobRecord EndedRecord(const Job& job, const JobView& end, absl::Duration retention) {
   JobRecord record;
   record.id = job.id();
   record.owner = job.spec().owner;
@@ -64,37 +73,43 @@ JobRecord JobRecords::Ended(const Job& job, const JobView& end, absl::Duration r
   record.start_time = end.start_time;
   record.end_time = end.end_time;
   record.expire_time = *end.end_time + retention;
-  record.outcome = codec_.encode_outcome(end);
+  record.outcome = EncodeOutcome({.result = end.result,
+                                  .error = end.error,
+                                  .phase = end.phase,
+                                  .last_report = end.last_report});
   record.samples_sha256 = end.samples_blob;
   record.reusable = end.result != nullptr && end.result->run.termination != Termination::kTimeLimit;
   return record;
 }
 
-absl::StatusOr<bool> JobRecords::IsOf(const JobRecord& record, const JobSpec& spec) const {
+absl::StatusOr<bool> IsOf(const JobRecord& record, const JobSpec& spec) {
   JobSpec earlier;
   CCST_ASSIGN_OR_RETURN(earlier, SpecOf(record));
   if (record.mesh_sha256 != spec.mesh_sha256 || record.texture_sha256 != spec.texture_sha256) {
     return false;
   }
-  // Encoded, read and encoded again: a definition that an earlier program wrote gets what was a
-  // default then, and both lose the same digits of durations.
-  const auto definition_of = [this](JobSpec written) {
-    written.abandon_seconds.reset();
-    written.ends_with_caller = false;
-    return codec_.encode_definition(written);
+  // As read: a definition that an earlier program wrote has got the defaults that it lacks.
+  const auto sampling_of = [](const JobSpec& asked) {
+    JobDefinition definition = DefinitionOf(asked);
+    definition.abandon_seconds.reset();
+    definition.ends_with_caller = false;
+    return EncodeDefinition(definition);
   };
-  JobSpec now;
-  CCST_RETURN_IF_ERROR(codec_.decode_definition(definition_of(spec), now));
-  return definition_of(earlier) == definition_of(now);
+  return sampling_of(earlier) == sampling_of(spec);
 }
 
-absl::StatusOr<JobSpec> JobRecords::SpecOf(const JobRecord& record) const {
+absl::StatusOr<JobSpec> SpecOf(const JobRecord& record) {
   if (record.damaged) {
     return MakeError(absl::StatusCode::kDataLoss, ErrorReason::kStorageFailed,
                      "the records are damaged: what is stored of job " + PrintableText(record.id));
   }
+  JobDefinition definition;
+  CCST_ASSIGN_OR_RETURN(definition, DecodeDefinition(record.definition));
   JobSpec spec;
-  CCST_RETURN_IF_ERROR(codec_.decode_definition(record.definition, spec));
+  spec.options = std::move(definition.options);
+  spec.origin = definition.origin;
+  spec.abandon_seconds = definition.abandon_seconds;
+  spec.ends_with_caller = definition.ends_with_caller;
   spec.owner = record.owner;
   spec.share = record.owner;
   spec.request_id = record.request_id;
@@ -105,9 +120,14 @@ absl::StatusOr<JobSpec> JobRecords::SpecOf(const JobRecord& record) const {
   return spec;
 }
 
-absl::StatusOr<JobView> JobRecords::ViewOf(const JobRecord& record) const {
+absl::StatusOr<JobView> ViewOf(const JobRecord& record) {
+  JobOutcome outcome;
+  CCST_ASSIGN_OR_RETURN(outcome, DecodeOutcome(record.outcome));
   JobView view;
-  CCST_RETURN_IF_ERROR(codec_.decode_outcome(record.outcome, view));
+  view.result = std::move(outcome.result);
+  view.error = std::move(outcome.error);
+  view.phase = outcome.phase;
+  view.last_report = outcome.last_report;
   view.state = record.state;
   view.cached = record.cached;
   view.samples_blob = record.samples_sha256;

@@ -9,8 +9,10 @@
 
 #include "core/base/status.h"
 #include "server/base/without_throwing.h"
+#include "server/formats/job_history.h"
 #include "server/jobs/decoding_threads.h"
 #include "server/jobs/job_input.h"
+#include "server/jobs/job_records.h"
 #include "server/jobs/memory_estimate.h"
 #include "server/jobs/run_job.h"
 #include "server/jobs/stored_samples.h"
@@ -69,13 +71,12 @@ class LoadError {
 }  // namespace
 
 JobRuns::JobRuns(Store& store, BlobPins& pins, const JobManagerOptions& options,
-                 const JobManagerDependencies& dependencies, const JobRecords& records,
-                 LiveJobs& live, std::shared_ptr<MemoryBudget> budget)
+                 const JobManagerDependencies& dependencies, LiveJobs& live,
+                 std::shared_ptr<MemoryBudget> budget)
     : store_(store),
       pins_(pins),
       options_(options),
       dependencies_(dependencies),
-      records_(records),
       live_(live),
       budget_(std::move(budget)),
       decoders_(DecodingThreads(options.runner.max_running_jobs), kMaxPosted),
@@ -213,7 +214,7 @@ absl::StatusOr<std::string> JobRuns::StoreSamples(const SampleSet& samples,
 
 absl::Status JobRuns::StoreEndAs(const std::shared_ptr<Job>& job, const JobView& end) {
   CCST_RETURN_IF_ERROR(WithoutThrowing("storing the job", [&] {
-    return store_.EndJob(records_.Ended(*job, end, options_.retention), records_.History(*job));
+    return store_.EndJob(EndedRecord(*job, end, options_.retention), EncodeHistory(job->Reports()));
   }));
   live_.SetStored(job);
   MutexLock lock(mutex_);

@@ -13,7 +13,6 @@
 #include "server/base/mutex.h"
 #include "server/jobs/job.h"
 #include "server/jobs/job_manager_options.h"
-#include "server/jobs/job_records.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/live_jobs.h"
 #include "server/jobs/memory_budget.h"
@@ -31,7 +30,7 @@ class JobRuns {
  public:
   /// All but `options` outlive it.
   JobRuns(Store& store, BlobPins& pins, const JobManagerOptions& options,
-          const JobManagerDependencies& dependencies, const JobRecords& records, LiveJobs& live,
+          const JobManagerDependencies& dependencies, LiveJobs& live,
           std::shared_ptr<MemoryBudget> budget);
   JobRuns(const JobRuns&) = delete;
   JobRuns& operator=(const JobRuns&) = delete;
@@ -94,7 +93,6 @@ class JobRuns {
   BlobPins& pins_;
   const JobManagerOptions options_;
   const JobManagerDependencies& dependencies_;
-  const JobRecords& records_;
   LiveJobs& live_;
   const std::shared_ptr<MemoryBudget> budget_;
 

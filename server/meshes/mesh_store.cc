@@ -152,7 +152,7 @@ absl::StatusOr<std::string> MeshStore::Measure(const std::string& sha256) const 
   }
   MeshFacts facts;
   CCST_ASSIGN_OR_RETURN(facts, dependencies_.measure(mesh));
-  return dependencies_.encode_facts(facts);
+  return EncodeFacts(facts);
 }
 
 absl::StatusOr<StoredMesh> MeshStore::Get(const std::string& owner, const std::string& sha256) {
@@ -188,7 +188,7 @@ absl::StatusOr<std::shared_ptr<const Blob>> MeshStore::Open(const std::string& o
 }
 
 bool MeshStore::IsReadable(const MeshRecord& record) const {
-  return !record.damaged && dependencies_.decode_facts(record.facts).ok();
+  return !record.damaged && DecodeFacts(record.facts).ok();
 }
 
 absl::Status MeshStore::CheckWhole(const MeshRecord& record) const {
@@ -264,7 +264,7 @@ absl::StatusOr<std::optional<MeshRecord>> MeshStore::Touch(const std::string& ow
 StoredMesh MeshStore::WithFacts(MeshRecord record) const {
   MeshFacts facts;
   if (IsReadable(record)) {
-    facts = *dependencies_.decode_facts(record.facts);
+    facts = *DecodeFacts(record.facts);
   } else {
     // Damaged text may be no UTF-8, which would damage the whole answer.
     record.sha256 = PrintableText(record.sha256);

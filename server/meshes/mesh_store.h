@@ -15,8 +15,8 @@
 #include "core/mesh/triangle_mesh.h"
 #include "server/base/clock.h"
 #include "server/base/mutex.h"
+#include "server/formats/mesh_facts.h"
 #include "server/meshes/blob_pins.h"
-#include "server/meshes/mesh_facts.h"
 #include "server/store/record_bytes.h"
 #include "server/store/store.h"
 
@@ -51,7 +51,7 @@ struct MeshUpload {
   std::string display_name;
 };
 
-/// How to decode, measure and write down facts; tests put their own in.
+/// How to decode and measure; tests put their own in.
 struct MeshDependencies {
   /// As DecodeDraco().
   std::function<absl::StatusOr<TriangleMesh>(std::span<const char>, const MeshLimits&)> decode;
@@ -60,8 +60,6 @@ struct MeshDependencies {
   std::function<absl::StatusOr<std::shared_ptr<void>>(const ByteSource&)> take_memory;
   /// Repairs and measures. Errors as SampleSurface() for a mesh that cannot be sampled.
   std::function<absl::StatusOr<MeshFacts>(const TriangleMesh&)> measure;
-  std::function<std::string(const MeshFacts&)> encode_facts;
-  std::function<absl::StatusOr<MeshFacts>(const std::string&)> decode_facts;
   Clock clock;
 };
 

@@ -10,6 +10,7 @@
 #include "proto/convert/field_limits.h"
 #include "proto/convert/scalars.h"
 #include "proto/convert/status.h"
+#include "server/meshes/measure_mesh.h"
 
 namespace ccst::server {
 namespace {
@@ -130,32 +131,6 @@ v1::Mesh ToProto(const StoredMesh& mesh) {
   return message;
 }
 
-std::string EncodeFacts(const MeshFacts& facts) { return ToProto(facts).SerializeAsString(); }
-
-absl::StatusOr<MeshFacts> DecodeFacts(const std::string& bytes) {
-  v1::Mesh mesh;
-  if (!mesh.ParseFromString(bytes)) {
-    return MakeError(absl::StatusCode::kDataLoss, ErrorReason::kStorageFailed,
-                     "the stored facts of a mesh are damaged");
-  }
-  MeshFacts facts{.vertices = mesh.vertex_count(),
-                  .file_faces = mesh.face_count(),
-                  .components = mesh.component_count(),
-                  .boundary_loops = mesh.boundary_loop_count(),
-                  .area = mesh.surface_area(),
-                  .bounds_min = ccst::FromProto(mesh.bounds_min()),
-                  .bounds_max = ccst::FromProto(mesh.bounds_max()),
-                  .attributes = {},
-                  .warnings = {mesh.warnings().begin(), mesh.warnings().end()}};
-  for (const v1::MeshAttribute& attribute : mesh.attributes()) {
-    facts.attributes.push_back({.name = attribute.attribute_name(),
-                                .components = attribute.component_count(),
-                                .min_value = attribute.min_value(),
-                                .max_value = attribute.max_value()});
-  }
-  return facts;
-}
-
 absl::StatusOr<bool> FindHeld(MeshStore& meshes, const MeshUpload& upload, v1::Mesh& mesh) {
   const auto held = meshes.Use(upload.owner, upload.sha256);
   // What is damaged is healed by what is about to come.
@@ -172,12 +147,7 @@ absl::StatusOr<bool> FindHeld(MeshStore& meshes, const MeshUpload& upload, v1::M
 }
 
 MeshDependencies RealMeshDependencies(const Clock& clock) {
-  return {.decode = DecodeDraco,
-          .take_memory = nullptr,
-          .measure = MeasureMesh,
-          .encode_facts = EncodeFacts,
-          .decode_facts = DecodeFacts,
-          .clock = clock};
+  return {.decode = DecodeDraco, .take_memory = nullptr, .measure = MeasureMesh, .clock = clock};
 }
 
 }  // namespace ccst::server

@@ -35,17 +35,12 @@ absl::StatusOr<MeshUpload> FromProto(const v1::CreateMeshRequest& request, const
 /// The mesh as callers see it.
 v1::Mesh ToProto(const StoredMesh& mesh);
 
-/// Facts as the bytes of a v1::Mesh that has nothing else, and back.
-/// @errors INTERNAL STORAGE_FAILED the bytes are none
-std::string EncodeFacts(const MeshFacts& facts);
-absl::StatusOr<MeshFacts> DecodeFacts(const std::string& bytes);
-
 /// True when the owner has stored what is to be uploaded; fills `mesh` then and moves its expiry
 /// later.
 /// @errors INVALID_ARGUMENT DIGEST_MISMATCH it is held with another size
 absl::StatusOr<bool> FindHeld(MeshStore& meshes, const MeshUpload& upload, v1::Mesh& mesh);
 
-/// Decodes Draco, measures with the core, keeps facts as messages.
+/// Decodes Draco, measures with the core.
 MeshDependencies RealMeshDependencies(const Clock& clock);
 
 }  // namespace ccst::server

@@ -8,39 +8,15 @@
 #include "core/base/sha256.h"
 #include "core/base/status.h"
 #include "server/store/job_list_query.h"
+#include "server/store/job_rows.h"
 #include "server/store/job_state_name.h"
 #include "server/store/page_token.h"
 #include "server/store/record_bytes.h"
-#include "server/store/row_sum.h"
 
 namespace ccst::server {
 namespace {
 
 constexpr char kList[] = "jobs";
-
-#define CCST_JOB_COLUMNS_                                                                 \
-  "jobs.id, jobs.owner, request_id, display_name, jobs.mesh_sha256, texture_sha256, "     \
-  "spec_digest, definition, state, jobs.create_time, start_time, end_time, expire_time, " \
-  "outcome, samples_sha256, reusable, cached, definition_sha256, request_sum, end_sum, "  \
-  "history_sha256, starts"
-
-// Of what a job is from the beginning.
-std::string SumOfRequest(const JobRecord& job) {
-  RowSum sum;
-  sum.Add(job.id).Add(job.owner).Add(job.request_id).Add(job.display_name).Add(job.mesh_sha256);
-  sum.Add(job.texture_sha256).Add(job.spec_digest).Add(job.definition).Add(job.create_time);
-  for (const auto& [name, value] : job.labels) sum.Add(name).Add(value);
-  return sum.Finish();
-}
-
-// Of what its end adds; empty before.
-std::string SumOfEnd(const JobRecord& job, const std::string& history_sha256) {
-  if (!HasEnded(job.state)) return "";
-  RowSum sum;
-  sum.Add(job.id).Add(JobStateName(job.state)).Add(job.start_time).Add(job.end_time);
-  sum.Add(job.expire_time).Add(job.outcome).Add(job.samples_sha256).Add(job.reusable);
-  return sum.Add(job.cached).Add(history_sha256).Finish();
-}
 
 std::int64_t Size(const std::string& bytes) { return static_cast<std::int64_t>(bytes.size()); }
 
@@ -185,7 +161,7 @@ absl::StatusOr<std::string> JobTable::PutHistory(const std::string& history) {
 absl::StatusOr<std::optional<JobRecord>> JobTable::Get(const std::string& id) {
   Statement statement = database_.Cached("SELECT " CCST_JOB_COLUMNS_ " FROM jobs WHERE id = ?");
   std::vector<JobRecord> jobs;
-  CCST_ASSIGN_OR_RETURN(jobs, ReadAll(statement.Bind(id)));
+  CCST_ASSIGN_OR_RETURN(jobs, ReadJobs(database_, statement.Bind(id)));
   return FirstOf(std::move(jobs));
 }
 
@@ -195,7 +171,7 @@ absl::StatusOr<std::optional<JobRecord>> JobTable::FindRequest(const std::string
                                     " FROM jobs WHERE owner = ? AND request_id = ? AND "
                                     "request_id <> ''");
   std::vector<JobRecord> jobs;
-  CCST_ASSIGN_OR_RETURN(jobs, ReadAll(same.Bind(owner).Bind(request_id)));
+  CCST_ASSIGN_OR_RETURN(jobs, ReadJobs(database_, same.Bind(owner).Bind(request_id)));
   if (jobs.empty()) return std::nullopt;
   return std::move(jobs.front());
 }
@@ -227,7 +203,7 @@ absl::StatusOr<Page<JobRecord>> JobTable::List(const JobFilter& filter, int page
   Statement statement =
       JobListQuery(database_, CCST_JOB_COLUMNS_, filter, key, std::int64_t{size} + 1);
   Page<JobRecord> page;
-  CCST_ASSIGN_OR_RETURN(page.records, ReadAll(statement));
+  CCST_ASSIGN_OR_RETURN(page.records, ReadJobs(database_, statement));
   if (page.records.size() > static_cast<std::size_t>(size)) {
     page.records.pop_back();
     const JobRecord& last = page.records.back();
@@ -242,7 +218,7 @@ absl::StatusOr<std::vector<JobRecord>> JobTable::Unfinished() {
       database_.Cached("SELECT " CCST_JOB_COLUMNS_
                        " FROM jobs NOT INDEXED WHERE state IN ('queued', 'cancelling') "
                        "ORDER BY create_time, id");
-  return ReadAll(statement);
+  return ReadJobs(database_, statement);
 }
 
 absl::StatusOr<std::optional<JobRecord>> JobTable::FindReusable(const std::string& spec_digest,
@@ -252,7 +228,7 @@ absl::StatusOr<std::optional<JobRecord>> JobTable::FindReusable(const std::strin
                        " FROM jobs WHERE reusable = 1 AND spec_digest = ? AND expire_time >= ? "
                        "ORDER BY create_time DESC, id DESC LIMIT 1");
   std::vector<JobRecord> jobs;
-  CCST_ASSIGN_OR_RETURN(jobs, ReadAll(statement.Bind(spec_digest).Bind(now)));
+  CCST_ASSIGN_OR_RETURN(jobs, ReadJobs(database_, statement.Bind(spec_digest).Bind(now)));
   return FirstOf(std::move(jobs));
 }
 
@@ -296,65 +272,6 @@ absl::StatusOr<bool> JobTable::RefersTo(const std::string& sha256) {
   const bool found = statement.Bind(sha256).Next();
   CCST_RETURN_IF_ERROR(statement.status());
   return found;
-}
-
-absl::StatusOr<std::vector<JobRecord>> JobTable::ReadAll(Statement& statement) {
-  // What the row says of its own parts.
-  struct Sums {
-    std::string definition;
-    std::string request;
-    std::string end;
-    std::string history_sha256;
-  };
-  std::vector<JobRecord> jobs;
-  std::vector<Sums> sums;
-  while (statement.Next()) {
-    const auto state = ParseJobStateName(statement.String(8));
-    jobs.push_back({.id = statement.String(0),
-                    .owner = statement.String(1),
-                    .request_id = statement.String(2),
-                    .display_name = statement.String(3),
-                    .labels = {},
-                    .mesh_sha256 = statement.String(4),
-                    .texture_sha256 = statement.String(5),
-                    .spec_digest = statement.String(6),
-                    .definition = statement.String(7),
-                    .state = state.value_or(JobState::kFailed),
-                    .create_time = statement.Time(9),
-                    .start_time = statement.OptionalTime(10),
-                    .end_time = statement.OptionalTime(11),
-                    .expire_time = statement.OptionalTime(12),
-                    .outcome = statement.String(13),
-                    .samples_sha256 = statement.String(14),
-                    .reusable = statement.Int(15) != 0,
-                    .cached = statement.Int(16) != 0,
-                    .damaged = !state.ok(),
-                    .starts = static_cast<int>(statement.Int(21))});
-    sums.push_back({.definition = statement.String(17),
-                    .request = statement.String(18),
-                    .end = statement.String(19),
-                    .history_sha256 = statement.String(20)});
-  }
-  CCST_RETURN_IF_ERROR(statement.status());
-  for (std::size_t i = 0; i < jobs.size(); ++i) {
-    JobRecord& job = jobs[i];
-    CCST_RETURN_IF_ERROR(ReadLabels(job));
-    // SQLite's own check does not see what is inside. Sums are empty in rows of earlier versions.
-    const auto differs = [](const std::string& stored, const std::string& now) {
-      return !stored.empty() && stored != now;
-    };
-    job.damaged = job.damaged || differs(sums[i].definition, Sha256Of(job.definition)) ||
-                  differs(sums[i].request, SumOfRequest(job)) ||
-                  differs(sums[i].end, SumOfEnd(job, sums[i].history_sha256));
-  }
-  return jobs;
-}
-
-absl::Status JobTable::ReadLabels(JobRecord& job) {
-  Statement statement = database_.Cached("SELECT name, value FROM job_labels WHERE job_id = ?");
-  statement.Bind(job.id);
-  while (statement.Next()) job.labels.emplace(statement.String(0), statement.String(1));
-  return statement.status();
 }
 
 }  // namespace ccst::server

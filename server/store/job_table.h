@@ -39,8 +39,6 @@ class JobTable {
  private:
   // Its digest; empty for none.
   absl::StatusOr<std::string> PutHistory(const std::string& history);
-  absl::StatusOr<std::vector<JobRecord>> ReadAll(Statement& statement);
-  absl::Status ReadLabels(JobRecord& job);
 
   Database& database_;
 };

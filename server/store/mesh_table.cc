@@ -14,14 +14,13 @@ namespace {
 
 constexpr char kList[] = "meshes";
 
-#define CCST_MESH_COLUMNS_ \
-  "owner, sha256, size_bytes, display_name, create_time, expire_time, facts, row_sum"
 #define CCST_IDLE_                                                                    \
   "NOT EXISTS (SELECT 1 FROM jobs WHERE jobs.owner = meshes.owner AND mesh_sha256 = " \
   "sha256 AND state IN ('queued', 'cancelling'))"
 
-// Of all that stays as it was put.
-std::string SumOf(const MeshRecord& mesh) {
+}  // namespace
+
+std::string SumOfMesh(const MeshRecord& mesh) {
   return RowSum()
       .Add(mesh.owner)
       .Add(mesh.sha256)
@@ -32,7 +31,7 @@ std::string SumOf(const MeshRecord& mesh) {
       .Finish();
 }
 
-absl::StatusOr<std::vector<MeshRecord>> ReadAll(Statement& statement) {
+absl::StatusOr<std::vector<MeshRecord>> ReadMeshes(Statement& statement) {
   std::vector<MeshRecord> meshes;
   while (statement.Next()) {
     meshes.push_back({.owner = statement.String(0),
@@ -43,13 +42,11 @@ absl::StatusOr<std::vector<MeshRecord>> ReadAll(Statement& statement) {
                       .expire_time = statement.Time(5),
                       .facts = statement.String(6)});
     const std::string sum = statement.String(7);
-    meshes.back().damaged = !sum.empty() && sum != SumOf(meshes.back());
+    meshes.back().damaged = !sum.empty() && sum != SumOfMesh(meshes.back());
   }
   CCST_RETURN_IF_ERROR(statement.status());
   return meshes;
 }
-
-}  // namespace
 
 absl::Status MeshTable::Put(const MeshRecord& mesh) {
   return database_
@@ -67,7 +64,7 @@ absl::Status MeshTable::Put(const MeshRecord& mesh) {
       .Bind(mesh.create_time)
       .Bind(mesh.expire_time)
       .Bind(Bytes{mesh.facts})
-      .Bind(SumOf(mesh))
+      .Bind(SumOfMesh(mesh))
       .Bind(BytesOf(mesh))
       .Run();
 }
@@ -77,7 +74,7 @@ absl::StatusOr<std::optional<MeshRecord>> MeshTable::Get(const std::string& owne
   Statement statement =
       database_.Cached("SELECT " CCST_MESH_COLUMNS_ " FROM meshes WHERE owner = ? AND sha256 = ?");
   std::vector<MeshRecord> meshes;
-  CCST_ASSIGN_OR_RETURN(meshes, ReadAll(statement.Bind(owner).Bind(sha256)));
+  CCST_ASSIGN_OR_RETURN(meshes, ReadMeshes(statement.Bind(owner).Bind(sha256)));
   if (meshes.empty()) return std::nullopt;
   return std::move(meshes.front());
 }
@@ -110,7 +107,7 @@ absl::StatusOr<Page<MeshRecord>> MeshTable::List(const std::string& owner, int p
                        " ORDER BY create_time DESC, sha256 DESC LIMIT ?");
   statement.Bind(owner).Bind(key.create_time).Bind(key.id).Bind(std::int64_t{size} + 1);
   Page<MeshRecord> page;
-  CCST_ASSIGN_OR_RETURN(page.records, ReadAll(statement));
+  CCST_ASSIGN_OR_RETURN(page.records, ReadMeshes(statement));
   if (page.records.size() > static_cast<std::size_t>(size)) {
     page.records.pop_back();
     const MeshRecord& last = page.records.back();
@@ -151,7 +148,7 @@ absl::StatusOr<std::vector<MeshRecord>> MeshTable::DropExpired(absl::Time now, i
       Statement statement =
           database_.Cached("SELECT " CCST_MESH_COLUMNS_ " FROM meshes WHERE rowid = ?");
       std::vector<MeshRecord> meshes;
-      CCST_ASSIGN_OR_RETURN(meshes, ReadAll(statement.Bind(row)));
+      CCST_ASSIGN_OR_RETURN(meshes, ReadMeshes(statement.Bind(row)));
       expired.insert(expired.end(), meshes.begin(), meshes.end());
     }
     CCST_RETURN_IF_ERROR(database_.Cached("DELETE FROM meshes WHERE rowid = ?").Bind(row).Run());
@@ -165,7 +162,7 @@ absl::StatusOr<std::vector<MeshRecord>> MeshTable::Idle(const std::string& owner
   Statement statement =
       database_.Cached("SELECT " CCST_MESH_COLUMNS_ " FROM meshes WHERE owner = ? AND " CCST_IDLE_
                        " ORDER BY expire_time, create_time, sha256");
-  return ReadAll(statement.Bind(owner));
+  return ReadMeshes(statement.Bind(owner));
 }
 
 absl::StatusOr<bool> MeshTable::IsInUse(const std::string& owner, const std::string& sha256) {

@@ -13,6 +13,17 @@
 
 namespace ccst::server {
 
+/// What ReadMeshes() takes of the table `meshes`, in its order.
+#define CCST_MESH_COLUMNS_ \
+  "owner, sha256, size_bytes, display_name, create_time, expire_time, facts, row_sum"
+
+/// The meshes of `statement`, which selects CCST_MESH_COLUMNS_. One whose sum does not fit is
+/// `damaged`.
+absl::StatusOr<std::vector<MeshRecord>> ReadMeshes(Statement& statement);
+
+/// The sum of all that stays as it was put.
+std::string SumOfMesh(const MeshRecord& mesh);
+
 /// The meshes of an embedded store. The methods are those of Store; not thread-safe.
 class MeshTable {
  public:

@@ -65,7 +65,12 @@ absl::StatusOr<std::unique_ptr<Database>> OpenRecords(const FileDescriptor& dire
   CCST_ASSIGN_OR_RETURN(database, Database::Open(absl::StrCat(path, "/", kRecordsName)));
   CCST_RETURN_IF_ERROR(database->RunScript(kSettings));
   CCST_RETURN_IF_ERROR(CheckRecords(*database));
-  CCST_RETURN_IF_ERROR(MigrateSchema(*database, SchemaMigrations()));
+  absl::Status migrated = MigrateSchema(*database, SchemaMigrations());
+  // A damaged index keeps rows from being rewritten.
+  if (absl::IsInternal(migrated) && database->RunScript("REINDEX").ok()) {
+    migrated = MigrateSchema(*database, SchemaMigrations());
+  }
+  CCST_RETURN_IF_ERROR(migrated);
   return database;
 }
 

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
+#include "server/store/record_upgrade.h"
 
 namespace ccst::server {
 namespace {
@@ -146,13 +147,17 @@ END;
 
 }  // namespace
 
-std::span<const std::string> SchemaMigrations() {
-  static const std::string* const kScripts =
-      new std::string[]{kVersion1, kVersion2, kVersion3, kVersion4};
-  return {kScripts, 4};
+std::span<const Migration> SchemaMigrations() {
+  static constexpr Migration kMigrations[] = {{kVersion1},
+                                              {kVersion2},
+                                              {kVersion3},
+                                              {kVersion4},
+                                              // What rows carry is no message of the API any more.
+                                              {"", UpgradeRecords}};
+  return kMigrations;
 }
 
-absl::Status MigrateSchema(Database& database, std::span<const std::string> migrations) {
+absl::Status MigrateSchema(Database& database, std::span<const Migration> migrations) {
   std::int64_t version = 0;
   {
     Statement statement = database.Once("PRAGMA user_version");
@@ -169,7 +174,9 @@ absl::Status MigrateSchema(Database& database, std::span<const std::string> migr
   for (; version < newest; ++version) {
     Transaction transaction(database);
     CCST_RETURN_IF_ERROR(transaction.status());
-    CCST_RETURN_IF_ERROR(database.RunScript(migrations[static_cast<std::size_t>(version)]));
+    const Migration& migration = migrations[static_cast<std::size_t>(version)];
+    CCST_RETURN_IF_ERROR(database.RunScript(migration.script));
+    if (migration.rewrite != nullptr) CCST_RETURN_IF_ERROR(migration.rewrite(database));
     CCST_RETURN_IF_ERROR(database.RunScript(absl::StrCat("PRAGMA user_version = ", version + 1)));
     CCST_RETURN_IF_ERROR(transaction.Commit());
   }

@@ -4,18 +4,34 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "ccst/v1/mesh_service.pb.h"
 #include "ccst/v1/sampling_service.pb.h"
+#include "server/formats/job_definition.h"
+#include "server/formats/job_history.h"
+#include "server/formats/job_outcome.h"
+#include "server/formats/mesh_facts.h"
 
 namespace {
 
 namespace v1 = ccst::v1;
 
 // The order of the types in requests.cc.
-enum Type : char { kSample, kCreateJob, kListJobs, kFind, kUpload, kCreateMesh, kName, kStored };
+enum Type : char {
+  kSample,
+  kCreateJob,
+  kListJobs,
+  kFind,
+  kUpload,
+  kCreateMesh,
+  kName,
+  kStored,
+  kEarlier
+};
 
 constexpr char kSha256[] = "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa";
 
@@ -69,7 +85,7 @@ void WriteAll(const std::filesystem::path& folder) {
   create.set_display_name("name");
   create.mutable_abandon_timeout()->set_seconds(3);
   Write(folder, "create-job", kCreateJob, create.SerializeAsString());
-  Write(folder, "definition", kStored, create.SerializeAsString());
+  Write(folder, "earlier-definition", kEarlier, create.SerializeAsString());
 
   v1::ListJobsRequest list;
   list.set_page_size(5);
@@ -98,7 +114,22 @@ void WriteAll(const std::filesystem::path& folder) {
   outcome.mutable_result()->set_sample_count(100);
   outcome.mutable_result()->mutable_samples_digest()->set_sha256(kSha256);
   outcome.mutable_progress()->set_iteration(3);
-  Write(folder, "outcome", kStored, outcome.SerializeAsString());
+  Write(folder, "earlier-outcome", kEarlier, outcome.SerializeAsString());
+
+  ccst::server::JobDefinition definition;
+  definition.options.sample_count = 100;
+  definition.origin = Eigen::Vector3d(1.0, 2.0, 3.0);
+  Write(folder, "definition", kStored, ccst::server::EncodeDefinition(definition));
+  ccst::server::JobOutcome ended;
+  ended.result = std::make_shared<const ccst::server::JobResult>();
+  ended.last_report = ccst::AlternationReport();
+  Write(folder, "outcome", kStored, ccst::server::EncodeOutcome(ended));
+  Write(folder, "history", kStored,
+        ccst::server::EncodeHistory(std::vector<ccst::AlternationReport>(3)));
+  ccst::server::MeshFacts facts;
+  facts.attributes.push_back({.name = "heat"});
+  facts.warnings = {"one"};
+  Write(folder, "facts", kStored, ccst::server::EncodeFacts(facts));
 }
 
 }  // namespace

@@ -12,7 +12,11 @@
 #include "proto/convert/job_request.h"
 #include "proto/convert/names.h"
 #include "proto/convert/options.h"
-#include "server/rpc/job_codec.h"
+#include "server/formats/earlier_formats.h"
+#include "server/formats/job_definition.h"
+#include "server/formats/job_history.h"
+#include "server/formats/job_outcome.h"
+#include "server/formats/mesh_facts.h"
 #include "server/rpc/job_messages.h"
 #include "server/rpc/mesh_messages.h"
 #include "tests/fuzz/target.h"
@@ -119,33 +123,44 @@ void RunNames(const std::string& text) {
 // What is stored: damaged bytes are told from whole ones, and whole ones survive being written
 // anew.
 void RunStored(const std::string& bytes) {
-  const ccst::server::JobCodec codec = ccst::server::ProtoJobCodec();
   if (const auto facts = ccst::server::DecodeFacts(bytes); facts.ok()) {
     const std::string again = ccst::server::EncodeFacts(*facts);
     const auto twice = ccst::server::DecodeFacts(again);
     if (!twice.ok() || ccst::server::EncodeFacts(*twice) != again) std::abort();
   }
-  ccst::server::JobSpec spec;
-  if (codec.decode_definition(bytes, spec).ok()) {
-    ccst::server::JobSpec twice;
-    if (!codec.decode_definition(codec.encode_definition(spec), twice).ok()) std::abort();
-    if (twice.options.seed != spec.options.seed) std::abort();
-    if (twice.options.sample_count != spec.options.sample_count) std::abort();
+  if (const auto definition = ccst::server::DecodeDefinition(bytes); definition.ok()) {
+    const std::string again = ccst::server::EncodeDefinition(*definition);
+    const auto twice = ccst::server::DecodeDefinition(again);
+    if (!twice.ok() || ccst::server::EncodeDefinition(*twice) != again) std::abort();
   }
-  ccst::server::JobView view;
-  (void)codec.decode_outcome(bytes, view);
-  if (const auto history = codec.decode_history(bytes); history.ok()) {
-    const auto twice = codec.decode_history(codec.encode_history(*history));
+  if (const auto outcome = ccst::server::DecodeOutcome(bytes); outcome.ok()) {
+    const std::string again = ccst::server::EncodeOutcome(*outcome);
+    if (!ccst::server::DecodeOutcome(again).ok()) std::abort();
+  }
+  if (const auto history = ccst::server::DecodeHistory(bytes); history.ok()) {
+    const auto twice = ccst::server::DecodeHistory(ccst::server::EncodeHistory(*history));
     if (!twice.ok() || twice->size() != history->size()) std::abort();
   }
+}
+
+// What earlier versions stored becomes something that can be read.
+void RunEarlier(const std::string& bytes) {
+  const auto definition = ccst::server::UpgradeDefinition(bytes);
+  if (definition.ok() && !ccst::server::DecodeDefinition(*definition).ok()) std::abort();
+  const auto outcome = ccst::server::UpgradeOutcome(bytes);
+  if (outcome.ok() && !ccst::server::DecodeOutcome(*outcome).ok()) std::abort();
+  const auto history = ccst::server::UpgradeHistory(bytes);
+  if (history.ok() && !ccst::server::DecodeHistory(*history).ok()) std::abort();
+  const auto facts = ccst::server::UpgradeFacts(bytes);
+  if (facts.ok() && !ccst::server::DecodeFacts(*facts).ok()) std::abort();
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using Run = void (*)(const std::string&);
-  constexpr Run kRuns[] = {RunSample, RunCreateJob,  RunListJobs, RunFindMissing,
-                           RunUpload, RunCreateMesh, RunNames,    RunStored};
+  constexpr Run kRuns[] = {RunSample,     RunCreateJob, RunListJobs, RunFindMissing, RunUpload,
+                           RunCreateMesh, RunNames,     RunStored,   RunEarlier};
   if (size == 0) return 0;
   kRuns[data[0] % std::size(kRuns)](std::string(reinterpret_cast<const char*>(data) + 1, size - 1));
   return 0;

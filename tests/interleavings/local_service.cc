@@ -8,7 +8,6 @@
 #include "core/base/status.h"
 #include "core/io/samples_digest.h"
 #include "proto/convert/names.h"
-#include "server/rpc/job_codec.h"
 #include "server/rpc/job_events.h"
 #include "server/rpc/job_messages.h"
 #include "server/rpc/mesh_messages.h"
@@ -94,8 +93,6 @@ absl::Status LocalService::Open() {
       server::MeshDependencies{.decode = Decode,
                                .take_memory = nullptr,
                                .measure = [](const TriangleMesh&) { return server::MeshFacts(); },
-                               .encode_facts = server::EncodeFacts,
-                               .decode_facts = server::DecodeFacts,
                                .clock = run.clock});
   server::JobManagerOptions options;
   options.runner = {.max_running_jobs = kMaxRunning,
@@ -106,7 +103,6 @@ absl::Status LocalService::Open() {
   CCST_ASSIGN_OR_RETURN(
       jobs_, server::JobManager::Start(*store_, *pins_, options,
                                        {.run = run,
-                                        .codec = server::ProtoJobCodec(),
                                         .new_id = [this] { return std::to_string(next_id_++); },
                                         .observer = &observer,
                                         .budget = budget}));

@@ -15,7 +15,6 @@
 #include "core/base/status.h"
 #include "server/jobs/memory_estimate.h"
 #include "server/rpc/analyze_job.h"
-#include "server/rpc/job_codec.h"
 #include "tests/server/fakes.h"
 #include "tests/server/temp_folder.h"
 #include "tests/support/shapes.h"
@@ -87,9 +86,8 @@ class JobAnalystTest : public testing::Test {
       for (int i = 0; i < image.width; ++i) image.values.push_back(i < 10 ? 0.0F : 0.9F);
       return image;
     };
-    jobs_ = *JobManager::Start(
-        *store_, *pins_, {},
-        {.run = run_, .codec = ProtoJobCodec(), .new_id = CountingIds(), .observer = &observer_});
+    jobs_ = *JobManager::Start(*store_, *pins_, {},
+                               {.run = run_, .new_id = CountingIds(), .observer = &observer_});
   }
 
   std::shared_ptr<Job> Run(SamplingMethod method, const DensityOptions& density = Uniform()) {

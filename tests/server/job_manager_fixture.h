@@ -14,7 +14,6 @@
 
 #include "core/base/status.h"
 #include "server/jobs/job_manager.h"
-#include "server/rpc/job_codec.h"
 #include "tests/server/fakes.h"
 #include "tests/server/temp_folder.h"
 #include "tests/server/watched_store.h"
@@ -68,7 +67,6 @@ class JobManagerTest : public testing::Test {
     };
     jobs_ = *JobManager::Start(*store_, *pins_, options,
                                {.run = std::move(run),
-                                .codec = codec_,
                                 .new_id = ids_,
                                 .observer = &observer_,
                                 .budget = budget_,
@@ -129,7 +127,6 @@ class JobManagerTest : public testing::Test {
   }
 
   std::int64_t max_blob_bytes_ = std::numeric_limits<std::int64_t>::max();
-  JobCodec codec_ = ProtoJobCodec();
   std::function<absl::Status(std::string_view)> before_start_ = AllIsWell;
   std::mutex lines_mutex_;
   std::string lines_;

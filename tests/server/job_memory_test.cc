@@ -13,9 +13,8 @@
 #include "server/app/system.h"
 #include "server/jobs/job_analyst.h"
 #include "server/jobs/memory_estimate.h"
-#include "server/meshes/mesh_facts.h"
+#include "server/meshes/measure_mesh.h"
 #include "server/metrics/metrics.h"
-#include "server/rpc/job_codec.h"
 #include "tests/server/fakes.h"
 #include "tests/server/temp_folder.h"
 #include "tests/support/heap_peak.h"
@@ -198,12 +197,9 @@ TEST_F(JobMemory, OfAnalysisIsEstimated) {
     RunDependencies run = RealRunDependencies(SystemClock(), {});
     const auto budget = std::make_shared<MemoryBudget>(std::int64_t{4} << 30);
     Metrics observer;
-    const auto jobs = *JobManager::Start(*store, pins, {},
-                                         {.run = run,
-                                          .codec = ProtoJobCodec(),
-                                          .new_id = CountingIds(),
-                                          .observer = &observer,
-                                          .budget = budget});
+    const auto jobs = *JobManager::Start(
+        *store, pins, {},
+        {.run = run, .new_id = CountingIds(), .observer = &observer, .budget = budget});
     JobSpec spec;
     spec.mesh_sha256 = *PutWhole(store->blobs(), *EncodeDraco(Torus(cells)));
     const BlobPins::Pin pin(pins, spec.mesh_sha256);

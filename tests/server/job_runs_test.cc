@@ -70,12 +70,11 @@ TEST_F(JobRunsTest, StoreThatRunsOutOfMemoryFailsNoJob) {
 // It is written down on a thread of which nobody takes exceptions.
 TEST_F(JobRunsTest, EndThatDoesNotFitTheMemoryIsStoredLater) {
   std::atomic<bool> is_short = true;
-  codec_.encode_history =
-      [&is_short, encode = codec_.encode_history](std::span<const AlternationReport> reports) {
-        if (is_short) throw std::bad_alloc();
-        return encode(reports);
-      };
   Start(QuickSampler());
+  store_->before = [&is_short](std::string_view call) -> absl::Status {
+    if (is_short && call == "EndJob") throw std::bad_alloc();
+    return absl::OkStatus();
+  };
   const std::string id = Create(Spec())->id();
   EXPECT_FALSE(HasEnded(Finish(id).state));
   is_short = false;

@@ -5,6 +5,7 @@
 
 #include "core/base/status.h"
 #include "core/io/draco_mesh.h"
+#include "server/meshes/measure_mesh.h"
 #include "tests/support/shapes.h"
 
 namespace ccst::server {
@@ -13,16 +14,6 @@ MeshStoreTest::MeshStoreTest()
     : dependencies_{.decode = DecodeDraco,
                     .take_memory = nullptr,
                     .measure = MeasureMesh,
-                    .encode_facts =
-                        [this](const MeshFacts& facts) {
-                          const std::lock_guard lock(facts_mutex_);
-                          facts_.push_back(facts);
-                          return std::to_string(facts_.size() - 1);
-                        },
-                    .decode_facts = [this](const std::string& bytes) -> absl::StatusOr<MeshFacts> {
-                      const std::lock_guard lock(facts_mutex_);
-                      return facts_.at(std::stoul(bytes));
-                    },
                     .clock = {.now = [this] { return now_; }, .seconds = [] { return 0.0; }}} {}
 
 void MeshStoreTest::AcceptAnyBytes() {

@@ -31,8 +31,6 @@ class MeshStoreTest : public StoreTest {
   absl::Time now_ = At(0);
 
  private:
-  std::mutex facts_mutex_;        // Uploads come on several threads.
-  std::vector<MeshFacts> facts_;  // What encoded facts number.
   std::vector<JobRecord> jobs_;
   std::optional<BlobPins> pins_;
   std::optional<MeshStore> meshes_;

@@ -84,8 +84,6 @@ TEST_F(MeshStores, BytesOfAnotherOwnerStayWhenTheyAreRefusedHere) {
        },
        .take_memory = {},
        .measure = {},
-       .encode_facts = {},
-       .decode_facts = {},
        .clock = {.now = [this] { return now_; }, .seconds = {}}});
   auto writer = *store_->blobs().NewBlob();
   ASSERT_TRUE(writer->Append(bytes).ok());

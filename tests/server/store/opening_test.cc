@@ -166,16 +166,16 @@ TEST_F(Opening, AnEmptyFileBecomesTheCurrentVersion) {
 
 TEST_F(Opening, MigrationsRunOnceAndKeepWhatIsThere) {
   const std::string path = folder_.path() + "/old.sqlite";
-  const std::string scripts[] = {
-      "CREATE TABLE points (x INTEGER); INSERT INTO points VALUES (1);",
-      "ALTER TABLE points ADD COLUMN y INTEGER NOT NULL DEFAULT 7;",
-      "UPDATE points SET y = y + x;",
+  const Migration migrations[] = {
+      {"CREATE TABLE points (x INTEGER); INSERT INTO points VALUES (1);"},
+      {"ALTER TABLE points ADD COLUMN y INTEGER NOT NULL DEFAULT 7;"},
+      {"", [](Database& points) { return points.RunScript("UPDATE points SET y = y + x;"); }},
   };
-  ASSERT_TRUE(MigrateSchema(**Database::Open(path), {scripts, 1}).ok());
+  ASSERT_TRUE(MigrateSchema(**Database::Open(path), {migrations, 1}).ok());
   const auto database = *Database::Open(path);
   EXPECT_EQ(VersionOf(*database), 1);
   for (int run = 0; run < 2; ++run) {
-    ASSERT_TRUE(MigrateSchema(*database, scripts).ok());
+    ASSERT_TRUE(MigrateSchema(*database, migrations).ok());
     EXPECT_EQ(VersionOf(*database), 3);
     Statement statement = database->Once("SELECT x, y FROM points");
     ASSERT_TRUE(statement.Next());
@@ -186,11 +186,25 @@ TEST_F(Opening, MigrationsRunOnceAndKeepWhatIsThere) {
 
 TEST_F(Opening, AMigrationThatFailsChangesNothing) {
   const auto database = *Database::Open(folder_.path() + "/old.sqlite");
-  const std::string scripts[] = {
-      "CREATE TABLE points (x INTEGER);",
-      "INSERT INTO points VALUES (1); INSERT INTO nowhere VALUES (1);",
+  const Migration migrations[] = {
+      {"CREATE TABLE points (x INTEGER);"},
+      {"INSERT INTO points VALUES (1); INSERT INTO nowhere VALUES (1);"},
   };
-  EXPECT_FALSE(MigrateSchema(*database, scripts).ok());
+  EXPECT_FALSE(MigrateSchema(*database, migrations).ok());
+  EXPECT_EQ(VersionOf(*database), 1);
+  Statement statement = database->Once("SELECT count(*) FROM points");
+  ASSERT_TRUE(statement.Next());
+  EXPECT_EQ(statement.Int(0), 0);
+}
+
+TEST_F(Opening, ARewriteThatFailsChangesNothing) {
+  const auto database = *Database::Open(folder_.path() + "/old.sqlite");
+  const Migration migrations[] = {
+      {"CREATE TABLE points (x INTEGER);"},
+      {"INSERT INTO points VALUES (1);",
+       [](Database&) -> absl::Status { return absl::InternalError("damaged"); }},
+  };
+  EXPECT_FALSE(MigrateSchema(*database, migrations).ok());
   EXPECT_EQ(VersionOf(*database), 1);
   Statement statement = database->Once("SELECT count(*) FROM points");
   ASSERT_TRUE(statement.Next());

@@ -1,4 +1,4 @@
-#include "server/meshes/mesh_facts.h"
+#include "server/meshes/measure_mesh.h"
 
 #include <cmath>
 #include <limits>

@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 
 #include "absl/status/statusor.h"
-#include "core/mesh/triangle_mesh.h"
 
 namespace ccst::server {
 
@@ -32,10 +31,9 @@ struct MeshFacts {
   std::vector<std::string> warnings;
 };
 
-/// Repairs `mesh` as sampling does by default and measures it. Cost as Repair() and
-/// Surface::Build(), which is O((V + F) log F).
-/// @errors those of SampleSurface() for a mesh that cannot be sampled at all: INVALID_ARGUMENT
-///         MESH_EMPTY | MESH_DEGENERATE | LIMIT_EXCEEDED
-absl::StatusOr<MeshFacts> MeasureMesh(const TriangleMesh& mesh);
+/// As bytes of a ccst.store.v1.MeshFacts, and back.
+std::string EncodeFacts(const MeshFacts& facts);
+/// @errors DATA_LOSS STORAGE_FAILED the bytes are none
+absl::StatusOr<MeshFacts> DecodeFacts(const std::string& bytes);
 
 }  // namespace ccst::server
