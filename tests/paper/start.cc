@@ -90,7 +90,7 @@ SampleSet MakeSampleSet(const Start& start, const SampleMesh& mesh) {
     set.barycentrics.emplace_back(start.samples.weights[i].head<2>());
   }
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (mesh.IsDead(t)) continue;
+    if (mesh.IsDead(internal::TriangleIndex(t))) continue;
     set.triangles.emplace_back(mesh.origin[3 * t], mesh.origin[3 * t + 1], mesh.origin[3 * t + 2]);
   }
   return set;

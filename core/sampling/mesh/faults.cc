@@ -23,8 +23,8 @@ std::string FindTwinFault(const SampleMesh& mesh, std::int32_t h) {
   if (from == to) return absl::StrCat("half-edge ", h, " ends where it starts, at ", from);
   const std::int32_t g = mesh.twin[h];
   if (g < 0) return "";
-  if (g >= static_cast<std::int32_t>(mesh.twin.size()) || mesh.IsDead(g / 3) || mesh.twin[g] != h ||
-      mesh.origin[g] != to || mesh.Target(g) != from) {
+  if (g >= static_cast<std::int32_t>(mesh.twin.size()) || mesh.IsDead(SampleMesh::TriangleOf(g)) ||
+      mesh.twin[g] != h || mesh.origin[g] != to || mesh.Target(g) != from) {
     return absl::StrCat("half-edge ", h, " and its twin ", g, " do not match");
   }
   if (mesh.IsLocked(h) != mesh.IsLocked(g)) {
@@ -66,7 +66,7 @@ std::string FindFault(const SampleMesh& mesh) {
   }
   std::vector<std::int32_t> degree(mesh.outgoing.size(), 0);
   for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh.origin.size()); ++h) {
-    if (mesh.IsDead(h / 3)) continue;
+    if (mesh.IsDead(SampleMesh::TriangleOf(h))) continue;
     if (std::string fault = FindTwinFault(mesh, h); !fault.empty()) return fault;
     ++degree[mesh.origin[h]];
   }

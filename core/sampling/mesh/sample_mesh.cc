@@ -32,7 +32,7 @@ void SampleMesh::SetTriangles(std::int32_t vertex_count,
   std::vector<std::int32_t> list(half_edges);
   std::vector<std::int32_t> fill(start.begin(), start.end() - 1);
   for (std::int32_t h = 0; h < half_edges; ++h) {
-    if (!IsDead(h / 3)) list[fill[origin[h]]++] = h;
+    if (!IsDead(TriangleOf(h))) list[fill[origin[h]]++] = h;
   }
   for (std::int32_t h = 0; h < half_edges; ++h) {
     const std::int32_t from = origin[h];
@@ -51,7 +51,7 @@ void SampleMesh::SetTriangles(std::int32_t vertex_count,
     }
   }
   for (std::int32_t h = 0; h < half_edges; ++h) {
-    if (!IsDead(h / 3)) PointAt(h);
+    if (!IsDead(TriangleOf(h))) PointAt(h);
   }
 }
 
@@ -62,7 +62,7 @@ void SampleMesh::Pair(std::int32_t a, std::int32_t b) {
 }
 
 void SampleMesh::Lock(std::int32_t h) {
-  CCST_ASSERT(!IsDead(h / 3));
+  CCST_ASSERT(!IsDead(TriangleOf(h)));
   if (locked.empty()) locked.assign(origin.size(), 0);
   locked[h] = 1;
   if (twin[h] >= 0) locked[twin[h]] = 1;
@@ -74,15 +74,15 @@ void SampleMesh::PointAt(std::int32_t h) {
   if (leave < 0 || twin[h] < 0) leave = h;
 }
 
-void SampleMesh::SetTriangle(std::int32_t t, std::int32_t a, std::int32_t b, std::int32_t c) {
+void SampleMesh::SetTriangle(TriangleIndex t, std::int32_t a, std::int32_t b, std::int32_t c) {
   origin[3 * t] = a;
   origin[3 * t + 1] = b;
   origin[3 * t + 2] = c;
   if (!locked.empty()) std::fill_n(locked.begin() + 3 * t, 3, std::uint8_t{0});
 }
 
-std::int32_t SampleMesh::NewTriangle() {
-  const std::int32_t t = triangle_count();
+TriangleIndex SampleMesh::NewTriangle() {
+  const TriangleIndex t(triangle_count());
   origin.insert(origin.end(), 3, -1);
   twin.insert(twin.end(), 3, -1);
   if (!locked.empty()) locked.insert(locked.end(), 3, 0);
@@ -227,7 +227,7 @@ bool SampleMesh::CanCollapse(std::int32_t h) const {
 }
 
 void SampleMesh::Collapse(std::int32_t h) {
-  CCST_ASSERT(!IsDead(h / 3) && outgoing[origin[h]] >= 0);
+  CCST_ASSERT(!IsDead(TriangleOf(h)) && outgoing[origin[h]] >= 0);
   CCST_ASSERT(!IsBoundary(origin[h]) || twin[h] < 0);
   const std::int32_t v = origin[h];
   const std::int32_t w = Target(h);
@@ -254,7 +254,7 @@ void SampleMesh::Collapse(std::int32_t h) {
     const bool lock = IsLocked(Next(e)) || IsLocked(Previous(e));
     Pair(into, from);
     if (lock && into >= 0 && from >= 0) Lock(into);
-    const std::int32_t t = e / 3;
+    const TriangleIndex t = TriangleOf(e);
     for (std::int32_t k = 3 * t; k < 3 * t + 3; ++k) {
       origin[k] = -1;
       twin[k] = -1;
@@ -278,8 +278,8 @@ void SampleMesh::Collapse(std::int32_t h) {
   if (g >= 0) settle(from_right);
 }
 
-void SampleMesh::InsertIntoTriangle(std::int32_t v, std::int32_t t, std::int32_t slot1,
-                                    std::int32_t slot2) {
+void SampleMesh::InsertIntoTriangle(std::int32_t v, TriangleIndex t, TriangleIndex slot1,
+                                    TriangleIndex slot2) {
   CCST_ASSERT(!IsDead(t) && IsDead(slot1) && IsDead(slot2) && slot1 != slot2);
   CCST_ASSERT(outgoing[v] < 0);
   const std::int32_t a = origin[3 * t];
@@ -302,8 +302,8 @@ void SampleMesh::InsertIntoTriangle(std::int32_t v, std::int32_t t, std::int32_t
   outgoing[v] = 3 * t + 2;
 }
 
-void SampleMesh::InsertIntoBoundaryEdge(std::int32_t v, std::int32_t h, std::int32_t slot) {
-  CCST_ASSERT(twin[h] < 0 && !IsDead(h / 3) && IsDead(slot) && outgoing[v] < 0);
+void SampleMesh::InsertIntoBoundaryEdge(std::int32_t v, std::int32_t h, TriangleIndex slot) {
+  CCST_ASSERT(twin[h] < 0 && !IsDead(TriangleOf(h)) && IsDead(slot) && outgoing[v] < 0);
   // (a b c) with boundary edge a -> b becomes (a v c) and (v b c).
   const std::int32_t b = Target(h);
   const std::int32_t c = Apex(h);
@@ -320,8 +320,8 @@ void SampleMesh::InsertIntoBoundaryEdge(std::int32_t v, std::int32_t h, std::int
   outgoing[v] = 3 * slot;
 }
 
-void SampleMesh::InsertIntoEdge(std::int32_t v, std::int32_t h, std::int32_t slot1,
-                                std::int32_t slot2) {
+void SampleMesh::InsertIntoEdge(std::int32_t v, std::int32_t h, TriangleIndex slot1,
+                                TriangleIndex slot2) {
   CCST_ASSERT(twin[h] >= 0 && IsDead(slot1) && IsDead(slot2) && slot1 != slot2);
   CCST_ASSERT(outgoing[v] < 0);
   // (a b c) becomes (a v c) and (v b c), (b a d) becomes (b v d) and (v a d).

@@ -6,9 +6,14 @@
 
 #include <Eigen/Core>
 
+#include "core/base/index.h"
 #include "core/mesh/faces.h"
 
 namespace ccst::internal {
+
+/// A triangle of a SampleMesh, which a half-edge must not be taken for: there are three times as
+/// many of those.
+using TriangleIndex = Index<struct TriangleTag>;
 
 /// The samples and the triangulation over them as half-edge arrays.
 ///
@@ -38,7 +43,9 @@ class SampleMesh {
   static std::int32_t Previous(std::int32_t h) { return PreviousHalfEdge(h); }
   std::int32_t Target(std::int32_t h) const { return origin[Next(h)]; }
   std::int32_t Apex(std::int32_t h) const { return origin[Previous(h)]; }
-  bool IsDead(std::int32_t triangle) const { return origin[3 * triangle] < 0; }
+  /// The triangle on the left of `h`.
+  static TriangleIndex TriangleOf(std::int32_t h) { return TriangleIndex(h / 3); }
+  bool IsDead(TriangleIndex t) const { return origin[3 * t] < 0; }
   bool IsBoundary(std::int32_t v) const { return twin[outgoing[v]] < 0; }
   bool IsLocked(std::int32_t h) const { return !locked.empty() && locked[h] != 0; }
   /// Keeps the edge `h`: it is not flipped, and its ends merge along it only.
@@ -102,16 +109,17 @@ class SampleMesh {
   void Collapse(std::int32_t h);
 
   /// Splits triangle `t` by vertex `v` (without edges so far) using two dead or new triangles.
-  void InsertIntoTriangle(std::int32_t v, std::int32_t t, std::int32_t slot1, std::int32_t slot2);
+  void InsertIntoTriangle(std::int32_t v, TriangleIndex t, TriangleIndex slot1,
+                          TriangleIndex slot2);
   /// Splits the boundary half-edge `h` by vertex `v` using one dead or new triangle.
-  void InsertIntoBoundaryEdge(std::int32_t v, std::int32_t h, std::int32_t slot);
+  void InsertIntoBoundaryEdge(std::int32_t v, std::int32_t h, TriangleIndex slot);
 
   /// Splits the interior edge `h`, from a to b, by vertex `v` using two dead or new triangles; `h`
   /// goes from a to v then, 3 slot1 from v to b.
-  void InsertIntoEdge(std::int32_t v, std::int32_t h, std::int32_t slot1, std::int32_t slot2);
+  void InsertIntoEdge(std::int32_t v, std::int32_t h, TriangleIndex slot1, TriangleIndex slot2);
 
-  /// Appends a dead triangle. @return its index.
-  std::int32_t NewTriangle();
+  /// Appends a dead triangle.
+  TriangleIndex NewTriangle();
 
   std::vector<std::int32_t> origin;    ///< 3 M: vertex a half-edge starts at; -1 in dead triangles.
   std::vector<std::int32_t> twin;      ///< 3 M: opposite half-edge; -1 on the boundary.
@@ -121,7 +129,7 @@ class SampleMesh {
  private:
   /// Makes twins of two half-edges, of which `b`, the outer one, knows whether the edge is locked.
   void Pair(std::int32_t a, std::int32_t b);
-  void SetTriangle(std::int32_t t, std::int32_t a, std::int32_t b, std::int32_t c);
+  void SetTriangle(TriangleIndex t, std::int32_t a, std::int32_t b, std::int32_t c);
   void PointAt(std::int32_t h);
   /// How many vertices are neighbours of both `v` and `w`, which are neighbours.
   std::int32_t CountCommonNeighbours(std::int32_t v, std::int32_t w) const;

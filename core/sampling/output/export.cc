@@ -46,15 +46,15 @@ SampleSet ExportSamples(const TriangleMesh& mesh, const SourceMap& sources, cons
                        }
                      });
   set.triangles.resize(static_cast<std::size_t>(triangulation.triangle_count()));
-  parallel.ForRanges(triangulation.triangle_count(), kPiece,
-                     [&](std::int64_t first, std::int64_t end) {
-                       for (std::int64_t t = first; t < end; ++t) {
-                         CCST_ASSERT(!triangulation.IsDead(static_cast<std::int32_t>(t)));
-                         const std::int32_t* corner = &triangulation.origin[3 * t];
-                         set.triangles[static_cast<std::size_t>(t)] = {
-                             place[corner[0]], place[corner[1]], place[corner[2]]};
-                       }
-                     });
+  parallel.ForRanges(
+      triangulation.triangle_count(), kPiece, [&](std::int64_t first, std::int64_t end) {
+        for (std::int64_t t = first; t < end; ++t) {
+          CCST_ASSERT(!triangulation.IsDead(TriangleIndex(static_cast<std::int32_t>(t))));
+          const std::int32_t* corner = &triangulation.origin[3 * t];
+          set.triangles[static_cast<std::size_t>(t)] = {place[corner[0]], place[corner[1]],
+                                                        place[corner[2]]};
+        }
+      });
   set.attributes = InterpolateAttributes(mesh, set);
   return set;
 }

@@ -16,7 +16,7 @@ void ShowSamples(Stage stage, const Surface& surface, const SampleMesh& mesh,
                  [&](const Eigen::Vector3d& position) { return surface.ToMesh(position); });
   std::vector<Eigen::Vector3i> triangles;
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (mesh.IsDead(t)) continue;
+    if (mesh.IsDead(TriangleIndex(t))) continue;
     triangles.emplace_back(mesh.origin[3 * t], mesh.origin[3 * t + 1], mesh.origin[3 * t + 2]);
   }
   sink->OnStage(stage, positions, triangles);

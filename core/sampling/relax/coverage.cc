@@ -176,7 +176,7 @@ UncoveredPlace Coverage::Measure(std::size_t k, const BoxTree& tree, const Sampl
                                  const Samples& samples) {
   const std::int32_t v = curved_[k];
   const Eigen::Vector3d& place = surface_.positions()[v];
-  UncoveredPlace nearest{v, -1, std::numeric_limits<double>::infinity(), spacing_[k]};
+  UncoveredPlace nearest{v, TriangleIndex(), std::numeric_limits<double>::infinity(), spacing_[k]};
   const std::int32_t component = surface_.face_components()[surface_.outgoing()[v] / 3];
   const auto may_cover = [&](std::int32_t i) {
     // Triangles on the other side of a thin part do not cover this one.
@@ -205,7 +205,7 @@ UncoveredPlace Coverage::Measure(std::size_t k, const BoxTree& tree, const Sampl
       const double distance = (w[0] * a + w[1] * b + w[2] * c - place).norm() / spacing_[k];
       if (distance < nearest.distance) {
         nearest.distance = distance;
-        nearest.triangle = h / 3;
+        nearest.triangle = SampleMesh::TriangleOf(h);
       }
     });
   }

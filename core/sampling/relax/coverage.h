@@ -17,10 +17,10 @@ namespace ccst::internal {
 
 /// A tip or ridge of the surface that the sample mesh cuts off.
 struct UncoveredPlace {
-  std::int32_t vertex = -1;    ///< Of the surface.
-  std::int32_t triangle = -1;  ///< Of the sample mesh, the one nearest to it.
-  double distance = 0.0;       ///< Between the two, in units of the spacing there.
-  double spacing = 0.0;        ///< Of samples there.
+  std::int32_t vertex = -1;  ///< Of the surface.
+  TriangleIndex triangle;    ///< Of the sample mesh, the one nearest to it.
+  double distance = 0.0;     ///< Between the two, in units of the spacing there.
+  double spacing = 0.0;      ///< Of samples there.
 };
 
 /// Looks for places of the surface far from the sample mesh. Only strongly curved vertices are

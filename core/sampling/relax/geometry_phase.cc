@@ -71,7 +71,7 @@ GeometryPhase::GeometryPhase(const Surface* surface, const Density* density, con
   UpdateDensities(interrupt != nullptr ? interrupt : &never);
 }
 
-double GeometryPhase::MeanDensity(std::int32_t t) const {
+double GeometryPhase::MeanDensity(TriangleIndex t) const {
   const std::array<std::int32_t, 3> corner = {mesh_.origin[3 * t], mesh_.origin[3 * t + 1],
                                               mesh_.origin[3 * t + 2]};
   const Eigen::Vector3d& a = samples_.position[corner[0]];
@@ -109,7 +109,7 @@ void GeometryPhase::UpdateDensities(Interrupt* interrupt) {
       if (!(is_outdated_[corner[0]] | is_outdated_[corner[1]] | is_outdated_[corner[2]])) continue;
       if (own.RequestedAfter(kDensityWork)) return;
       const double before = mean_density_[t];
-      mean_density_[t] = static_cast<float>(MeanDensity(t));
+      mean_density_[t] = static_cast<float>(MeanDensity(TriangleIndex(t)));
       if (std::abs(mean_density_[t] - before) > kDensityRest * before) {
         changed[static_cast<std::size_t>(p)].push_back(t);
       }
@@ -142,7 +142,7 @@ void GeometryPhase::DeactivateAll() { std::fill(active_.begin(), active_.end(), 
 
 void GeometryPhase::ClearMoved() { std::fill(moved_.begin(), moved_.end(), std::uint8_t{0}); }
 
-double GeometryPhase::Capacity(std::int32_t t) const {
+double GeometryPhase::Capacity(TriangleIndex t) const {
   const Eigen::Vector3d& a = samples_.position[mesh_.origin[3 * t]];
   const Eigen::Vector3d& b = samples_.position[mesh_.origin[3 * t + 1]];
   const Eigen::Vector3d& c = samples_.position[mesh_.origin[3 * t + 2]];
@@ -177,7 +177,7 @@ GeometryPhase::Spread GeometryPhase::MeasureCapacities() const {
   return SpreadOf([&](std::int32_t first, std::int32_t end) {
     CapacitySums sums;
     for (std::int32_t t = first; t < end; ++t) {
-      const double apart = Capacity(t) - 1.0;
+      const double apart = Capacity(TriangleIndex(t)) - 1.0;
       sums.apart += apart;
       sums.square += apart * apart;
     }

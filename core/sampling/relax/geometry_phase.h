@@ -92,7 +92,7 @@ class GeometryPhase {
   void ClearMoved();
 
   /// c_t = C_t / C* of triangle `t`.
-  double Capacity(std::int32_t t) const;
+  double Capacity(TriangleIndex t) const;
   /// How the capacities c_t are spread.
   struct Spread {
     double energy = 0.0;  ///< Mean of (c_t - 1)^2, or of c_t^2 for Energy::kSquaredArea.
@@ -166,7 +166,7 @@ class GeometryPhase {
   // Appends the half-edges from `v` to some of its neighbours, named in their order.
   void AddSpokes(std::int32_t v, const int* spokes, int count,
                  std::vector<std::int32_t>* half_edges) const;
-  double MeanDensity(std::int32_t t) const;
+  double MeanDensity(TriangleIndex t) const;
   // Of the sums over all triangles, which `sum(first, end)` gives for some of them.
   Spread SpreadOf(const std::function<CapacitySums(std::int32_t, std::int32_t)>& sum) const;
 

@@ -83,8 +83,8 @@ void PackedSamples::Collapse(std::int32_t h) {
   ForgetRingsAround(w);  // The neighbours of `v` are now those of `w`.
 }
 
-void PackedSamples::Insert(std::int32_t v, const SurfacePoint& point, std::int32_t t,
-                           const std::array<std::int32_t, 2>& slots) {
+void PackedSamples::Insert(std::int32_t v, const SurfacePoint& point, TriangleIndex t,
+                           const std::array<TriangleIndex, 2>& slots) {
   samples_.Place(v, surface_, point);
   PackPlace(v);
   mesh_.InsertIntoTriangle(v, t, slots[0], slots[1]);

@@ -81,8 +81,8 @@ class PackedSamples {
 
   /// Puts `v`, which has no edges, at `point` and into triangle `t`.
   /// @param slots  two dead triangles to use.
-  void Insert(std::int32_t v, const SurfacePoint& point, std::int32_t t,
-              const std::array<std::int32_t, 2>& slots);
+  void Insert(std::int32_t v, const SurfacePoint& point, TriangleIndex t,
+              const std::array<TriangleIndex, 2>& slots);
 
   /// Goes back to `snapshot`, which is empty then. Cost O(n).
   void Restore(Snapshot* snapshot, const Parallel& parallel);

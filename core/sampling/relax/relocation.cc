@@ -33,7 +33,7 @@ class Relocation {
 
   /// Triangles with room for another sample, by capacity, largest first; ties by index. Of those
   /// looked at when `interrupt` was requested.
-  std::vector<std::int32_t> FindRoom(std::size_t count, Interrupt* interrupt) const {
+  std::vector<TriangleIndex> FindRoom(std::size_t count, Interrupt* interrupt) const {
     count = std::min(count, static_cast<std::size_t>(mesh_.triangle_count()));
     // Never many more than asked for: of a mesh of millions they would be most of the memory.
     std::vector<std::pair<double, std::int32_t>> order;
@@ -43,19 +43,19 @@ class Relocation {
       order.resize(std::min(order.size(), count));
     };
     for (std::int32_t t = 0; t < mesh_.triangle_count() && !interrupt->RequestedAt(t); ++t) {
-      order.emplace_back(-geometry_.Capacity(t), t);
+      order.emplace_back(-geometry_.Capacity(TriangleIndex(t)), t);
       if (order.size() >= 2 * count + 256) keep_largest();
     }
     keep_largest();
     std::sort(order.begin(), order.end());
-    std::vector<std::int32_t> triangles;
+    std::vector<TriangleIndex> triangles;
     triangles.reserve(order.size());
-    for (const auto& [capacity, t] : order) triangles.push_back(t);
+    for (const auto& [capacity, t] : order) triangles.emplace_back(t);
     return triangles;
   }
 
   /// A large triangle at a boundary, a tip or a crease may have no room for another sample.
-  bool HasRoom(std::int32_t t, std::int32_t component) const {
+  bool HasRoom(TriangleIndex t, std::int32_t component) const {
     for (int k = 0; k < 3; ++k) {
       const std::int32_t v = mesh_.origin[3 * t + k];
       if (IsBusy(v) || samples_.kind[v] != SampleMesh::Kind::kInterior ||
@@ -69,7 +69,7 @@ class Relocation {
 
   /// Merges `v` into the neighbour that leaves the best-facing, roundest triangles.
   /// @return false when none would keep the topology. The triangles that fell free are slots.
-  bool TakeOut(std::int32_t v, std::array<std::int32_t, 2>* slots) {
+  bool TakeOut(std::int32_t v, std::array<TriangleIndex, 2>* slots) {
     ring_.clear();
     mesh_.ForEachOutgoing(v, [&](std::int32_t h) { ring_.push_back(h); });
     double best = -2.0;
@@ -83,7 +83,7 @@ class Relocation {
     }
     if (chosen < 0) return false;
     const std::int32_t w = mesh_.Target(chosen);
-    *slots = {chosen / 3, mesh_.twin[chosen] / 3};
+    *slots = {SampleMesh::TriangleOf(chosen), SampleMesh::TriangleOf(mesh_.twin[chosen])};
     packed_.Collapse(chosen);
     flips_.FlipAround(w);
     Reserve(w);
@@ -91,7 +91,7 @@ class Relocation {
     return true;
   }
 
-  void PutIn(std::int32_t v, std::int32_t t, const std::array<std::int32_t, 2>& slots,
+  void PutIn(std::int32_t v, TriangleIndex t, const std::array<TriangleIndex, 2>& slots,
              const SurfacePoint& point) {
     packed_.Insert(v, point, t, slots);
     Reserve(v);
@@ -100,7 +100,7 @@ class Relocation {
   }
 
   /// The surface under the centre of triangle `t`.
-  SurfacePoint Center(std::int32_t t) {
+  SurfacePoint Center(TriangleIndex t) {
     const std::int32_t* corner = &mesh_.origin[3 * t];
     const Eigen::Vector3d center = (samples_.position[corner[0]] + samples_.position[corner[1]] +
                                     samples_.position[corner[2]]) /
@@ -173,11 +173,11 @@ std::int64_t Relocate(const std::vector<Defect>& defects,
     for (std::size_t i = 0; i < more; ++i) crowded.push_back(least[i].second);
   }
 
-  const std::vector<std::int32_t> room = relocation.FindRoom(16 * crowded.size() + 256, interrupt);
+  const std::vector<TriangleIndex> room = relocation.FindRoom(16 * crowded.size() + 256, interrupt);
   std::size_t next_room = 0;
   std::size_t next_place = 0;
   std::int64_t count = 0;
-  std::array<std::int32_t, 2> slots;
+  std::array<TriangleIndex, 2> slots;
   std::int64_t tried = 0;
   for (const std::int32_t v : crowded) {
     if (interrupt->RequestedAt(tried++)) break;
@@ -198,7 +198,7 @@ std::int64_t Relocate(const std::vector<Defect>& defects,
       ++next_room;
     }
     if (next_room == room.size()) break;
-    const std::int32_t t = room[next_room++];
+    const TriangleIndex t = room[next_room++];
     if (!relocation.TakeOut(v, &slots)) continue;
     relocation.PutIn(v, t, slots, relocation.Center(t));
     ++count;

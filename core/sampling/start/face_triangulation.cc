@@ -45,7 +45,7 @@ void FaceTriangulation::SetPlane(const std::vector<Eigen::Vector3d>& place,
   along_ = side.stableNormalized();
   aside_ = up.stableNormalized().cross(along_);
   outer_ = static_cast<std::int32_t>(place.size());
-  last_ = 0;
+  last_ = TriangleIndex(0);
   place_.clear();
   for (const Eigen::Vector3d& p : place) place_.push_back(Flat(p));
 }
@@ -54,18 +54,18 @@ Eigen::Vector2d FaceTriangulation::Flat(const Eigen::Vector3d& point) const {
   return {(point - corner_).dot(along_), (point - corner_).dot(aside_)};
 }
 
-std::int32_t FaceTriangulation::Locate(const Eigen::Vector2d& p) {
-  std::int32_t t = last_;
+TriangleIndex FaceTriangulation::Locate(const Eigen::Vector2d& p) {
+  TriangleIndex t = last_;
   // A walk; rounding may lead it in circles.
   for (int step = 0; step < 10000; ++step) {
     double worst = 0.0;
-    std::int32_t cross = -1;
+    TriangleIndex cross;
     for (std::int32_t h = 3 * t; h < 3 * t + 3; ++h) {
       const Eigen::Vector2d& a = place_[mesh_.origin[h]];
       const double side = Cross(place_[mesh_.Target(h)] - a, p - a);
       if (side < worst && mesh_.twin[h] >= 0) {
         worst = side;
-        cross = mesh_.twin[h] / 3;
+        cross = SampleMesh::TriangleOf(mesh_.twin[h]);
       }
     }
     if (cross < 0) break;
@@ -80,9 +80,9 @@ void FaceTriangulation::Insert(const Eigen::Vector3d& point) {
   place_.push_back(Flat(point));
   mesh_.outgoing.push_back(-1);
   work_ = 0;
-  const std::int32_t t = Locate(place_.back());
-  const std::int32_t slot1 = mesh_.NewTriangle();
-  const std::int32_t slot2 = mesh_.NewTriangle();
+  const TriangleIndex t = Locate(place_.back());
+  const TriangleIndex slot1 = mesh_.NewTriangle();
+  const TriangleIndex slot2 = mesh_.NewTriangle();
   mesh_.InsertIntoTriangle(vertex, t, slot1, slot2);
   last_ = t;
   stack_.assign({3 * t, 3 * slot1, 3 * slot2});

@@ -33,13 +33,13 @@ class FaceTriangulation {
  private:
   void SetPlane(const std::vector<Eigen::Vector3d>& place, const Eigen::Vector3i& corner);
   Eigen::Vector2d Flat(const Eigen::Vector3d& point) const;
-  std::int32_t Locate(const Eigen::Vector2d& p);
+  TriangleIndex Locate(const Eigen::Vector2d& p);
   bool IsWanted(std::int32_t h) const;
 
   SampleMesh mesh_;
   std::vector<Eigen::Vector2d> place_;  // Per vertex, in the face's plane.
   std::int32_t outer_ = 0;              // Vertices it started with.
-  std::int32_t last_ = 0;               // Triangle into which the last point was inserted.
+  TriangleIndex last_{0};               // Triangle into which the last point was inserted.
   std::int64_t work_ = 0;
   std::vector<std::int32_t> stack_;
   Eigen::Vector3d corner_ = Eigen::Vector3d::Zero();

@@ -43,7 +43,7 @@ template <typename Wanted>
 SampleMesh Compact(const SampleMesh& mesh, std::int32_t vertex_count, const Wanted& wanted,
                    Interrupt* interrupt) {
   const auto is_live = [&](std::int32_t t) {
-    return !mesh.IsDead(t) && wanted(mesh.origin[3 * t]);
+    return !mesh.IsDead(TriangleIndex(t)) && wanted(mesh.origin[3 * t]);
   };
   const auto first_corner = [&](std::int32_t t) {
     const std::int32_t* corner = &mesh.origin[3 * t];

@@ -144,11 +144,11 @@ class Insertion {
   }
 
   /// The face of the surface in which triangle `t` lies.
-  std::int32_t FaceOf(std::int32_t t) const {
+  std::int32_t FaceOf(TriangleIndex t) const {
     return t < first_cut_ ? t : cut_[static_cast<std::size_t>(t - first_cut_)];
   }
 
-  std::int32_t NewTriangle(std::int32_t face) {
+  TriangleIndex NewTriangle(std::int32_t face) {
     cut_.push_back(face);
     return mesh_.NewTriangle();
   }
@@ -170,12 +170,12 @@ class Insertion {
         ahead = mesh_.FindEdge(vertex_of_[surface_.Origin(h)], vertex_of_[surface_.Target(h)]);
       }
       if (loop.crease) {
-        const std::int32_t slot1 = NewTriangle(FaceOf(ahead / 3));
-        const std::int32_t slot2 = NewTriangle(FaceOf(mesh_.twin[ahead] / 3));
+        const TriangleIndex slot1 = NewTriangle(FaceOf(SampleMesh::TriangleOf(ahead)));
+        const TriangleIndex slot2 = NewTriangle(FaceOf(SampleMesh::TriangleOf(mesh_.twin[ahead])));
         mesh_.InsertIntoEdge(i, ahead, slot1, slot2);
         ahead = 3 * slot1;
       } else {
-        const std::int32_t slot = NewTriangle(h / 3);
+        const TriangleIndex slot = NewTriangle(h / 3);
         mesh_.InsertIntoBoundaryEdge(i, ahead, slot);
         ahead = 3 * slot;
       }
@@ -324,7 +324,7 @@ class Insertion {
       if (g >= 0) mesh_.twin[g] = h;
       // Of the half-edges in this face the vertex may have left through any.
       std::int32_t& leave = mesh_.outgoing[mesh_.origin[h]];
-      if (leave < 3 * first_slot_ && FaceOf(leave / 3) == edge.face) leave = h;
+      if (leave < 3 * first_slot_ && FaceOf(SampleMesh::TriangleOf(leave)) == edge.face) leave = h;
     }
   }
 

@@ -283,7 +283,7 @@ std::vector<std::uint8_t> FindInside(const std::vector<std::int32_t>& block,
   };
   parallel.ForRanges(mesh.triangle_count(), kPiece, [&](std::int64_t first, std::int64_t end) {
     for (auto t = static_cast<std::int32_t>(first); t < static_cast<std::int32_t>(end); ++t) {
-      if (mesh.IsDead(t)) continue;
+      if (mesh.IsDead(TriangleIndex(t))) continue;
       for (std::int32_t h = 3 * t; h < 3 * t + 3; ++h) {
         const std::int32_t from = mesh.origin[h];
         const std::int32_t to = mesh.Target(h);

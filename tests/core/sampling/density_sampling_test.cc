@@ -120,8 +120,9 @@ TEST(DensitySampling, StepMinimisesSquaredCapacities) {
       const Eigen::Vector3d kept = start.samples.position[v];
       start.samples.position[v] = p;
       double sum = 0.0;
-      start.mesh.ForEachOutgoing(
-          v, [&](std::int32_t h) { sum += std::pow(geometry.Capacity(h / 3), 2); });
+      start.mesh.ForEachOutgoing(v, [&](std::int32_t h) {
+        sum += std::pow(geometry.Capacity(SampleMesh::TriangleOf(h)), 2);
+      });
       start.samples.position[v] = kept;
       return sum;
     };

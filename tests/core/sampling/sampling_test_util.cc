@@ -44,7 +44,7 @@ absl::StatusOr<Start> MakeStart(const TriangleMesh& mesh, std::int64_t count, st
 std::vector<Eigen::Vector3i> Triangles(const SampleMesh& mesh) {
   std::vector<Eigen::Vector3i> triangles;
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (mesh.IsDead(t)) continue;
+    if (mesh.IsDead(internal::TriangleIndex(t))) continue;
     triangles.emplace_back(mesh.origin[3 * t], mesh.origin[3 * t + 1], mesh.origin[3 * t + 2]);
   }
   return triangles;

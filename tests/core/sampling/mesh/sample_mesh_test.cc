@@ -36,11 +36,11 @@ void ExpectManifoldUnderRandomOperations(const TriangleMesh& shape, std::uint64_
   SampleMesh mesh = From(shape);
   const quality::MeshTopology before = Topology(mesh);
   const CounterRandom random(seed, 1);
-  std::vector<std::int32_t> dead_triangles;
+  std::vector<TriangleIndex> dead_triangles;
   std::vector<std::int32_t> dead_vertices;
   const auto slot = [&] {
     if (dead_triangles.empty()) return mesh.NewTriangle();
-    const std::int32_t t = dead_triangles.back();
+    const TriangleIndex t = dead_triangles.back();
     dead_triangles.pop_back();
     return t;
   };
@@ -49,7 +49,7 @@ void ExpectManifoldUnderRandomOperations(const TriangleMesh& shape, std::uint64_
   int inserts = 0;
   for (int step = 0; step < steps; ++step) {
     const auto h = static_cast<std::int32_t>(random.Bits(2 * step) % mesh.origin.size());
-    if (mesh.IsDead(h / 3)) continue;
+    if (mesh.IsDead(SampleMesh::TriangleOf(h))) continue;
     switch (random.Bits(2 * step + 1) % 4) {
       case 0:
       case 1:
@@ -61,8 +61,8 @@ void ExpectManifoldUnderRandomOperations(const TriangleMesh& shape, std::uint64_
         if (!mesh.CanCollapse(h)) break;
         const std::int32_t g = mesh.twin[h];
         dead_vertices.push_back(mesh.origin[h]);
-        dead_triangles.push_back(h / 3);
-        if (g >= 0) dead_triangles.push_back(g / 3);
+        dead_triangles.push_back(SampleMesh::TriangleOf(h));
+        if (g >= 0) dead_triangles.push_back(SampleMesh::TriangleOf(g));
         mesh.Collapse(h);
         EXPECT_LT(mesh.outgoing[dead_vertices.back()], 0);
         ++collapses;
@@ -72,12 +72,12 @@ void ExpectManifoldUnderRandomOperations(const TriangleMesh& shape, std::uint64_
         if (dead_vertices.empty()) break;
         const std::int32_t v = dead_vertices.back();
         dead_vertices.pop_back();
-        const std::int32_t slot1 = slot();
+        const TriangleIndex slot1 = slot();
         if (mesh.twin[h] < 0) {
           mesh.InsertIntoBoundaryEdge(v, h, slot1);
         } else {
-          const std::int32_t slot2 = slot();
-          mesh.InsertIntoTriangle(v, h / 3, slot1, slot2);
+          const TriangleIndex slot2 = slot();
+          mesh.InsertIntoTriangle(v, SampleMesh::TriangleOf(h), slot1, slot2);
         }
         ++inserts;
         break;
@@ -126,7 +126,7 @@ TEST(SampleMesh, CollapsingAsFarAsAllowedKeepsTheTopology) {
     int idle = 0;
     for (int step = 0; idle < 3000; ++step, ++idle) {
       const auto h = static_cast<std::int32_t>(random.Bits(step) % mesh.origin.size());
-      if (mesh.IsDead(h / 3) || !mesh.CanCollapse(h)) continue;
+      if (mesh.IsDead(SampleMesh::TriangleOf(h)) || !mesh.CanCollapse(h)) continue;
       mesh.Collapse(h);
       idle = 0;
       ASSERT_EQ(FindFault(mesh), "");
@@ -259,7 +259,7 @@ TEST(SampleMesh, TrianglesFallAsForetold) {
       SampleMesh after = before;
       after.Collapse(h);
       before.ForEachOutgoing(before.origin[h], [&](std::int32_t e) {
-        EXPECT_EQ(before.FallsWith(h, e), after.IsDead(e / 3));
+        EXPECT_EQ(before.FallsWith(h, e), after.IsDead(SampleMesh::TriangleOf(e)));
       });
     }
   }
@@ -305,7 +305,7 @@ TEST(SampleMesh, CollapsesBesideHubsKeepTheManifold) {
   int collapses = 0;
   for (int step = 0; step < 3000; ++step) {
     const auto h = static_cast<std::int32_t>(random.Bits(step) % mesh.origin.size());
-    if (mesh.IsDead(h / 3)) continue;
+    if (mesh.IsDead(SampleMesh::TriangleOf(h))) continue;
     const std::int32_t v = mesh.origin[h];
     const std::int32_t w = mesh.Target(h);
     const std::vector<Eigen::Vector3i> triangles = sampling_test::Triangles(mesh);

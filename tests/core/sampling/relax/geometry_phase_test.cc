@@ -345,7 +345,8 @@ TEST(GeometryPhase, SpreadAgreesWithTheQualityRoom) {
   EXPECT_NEAR(geometry.MeasureCapacities().cv, figures.cv, 1e-9);
   EXPECT_NEAR(geometry.EstimateCapacities().cv, figures.cv, 6e-8 * figures.cv);
   double sum = 0.0;
-  for (std::int32_t t = 0; t < start.mesh.triangle_count(); ++t) sum += geometry.Capacity(t);
+  for (std::int32_t t = 0; t < start.mesh.triangle_count(); ++t)
+    sum += geometry.Capacity(TriangleIndex(t));
   EXPECT_NEAR(sum * start.plan.components[0].target, figures.total, 1e-9);
 }
 

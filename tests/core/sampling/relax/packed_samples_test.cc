@@ -134,12 +134,13 @@ TEST(PackedSamples, InsertPutsASampleWhereItWasTold) {
   Packed packed;
   const std::int32_t h = Collapsible(packed.start.mesh);
   const std::int32_t v = packed.start.mesh.origin[h];
-  const std::array<std::int32_t, 2> slots = {h / 3, packed.start.mesh.twin[h] / 3};
+  const std::array<TriangleIndex, 2> slots = {SampleMesh::TriangleOf(h),
+                                              SampleMesh::TriangleOf(packed.start.mesh.twin[h])};
   packed.samples.Collapse(h);
   packed.LearnAll();
   const SurfacePoint middle = MiddleOfHost(packed.start, v);
-  std::int32_t t = 0;
-  while (packed.start.mesh.IsDead(t)) ++t;
+  TriangleIndex t(0);
+  while (packed.start.mesh.IsDead(t)) t = TriangleIndex(t + 1);
   packed.samples.Insert(v, middle, t, slots);
   EXPECT_EQ(packed.start.samples.position[v], middle.position);
   EXPECT_EQ(packed.start.mesh.Degree(v), 3);

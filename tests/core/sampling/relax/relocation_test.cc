@@ -176,8 +176,9 @@ TEST(Relocate, UncoveredPlaceGetsASample) {
   Projection projection(&start.surface, 0.5 * start.plan.spacing, &parallel);
   EdgeFlips flips = geometry.packed().MakeFlips();
   // The surface's vertex nearest the middle of the largest triangle.
-  std::int32_t largest = 0;
-  for (std::int32_t t = 0; t < start.mesh.triangle_count(); ++t) {
+  TriangleIndex largest(0);
+  for (std::int32_t i = 0; i < start.mesh.triangle_count(); ++i) {
+    const TriangleIndex t(i);
     if (geometry.Capacity(t) > geometry.Capacity(largest)) largest = t;
   }
   Eigen::Vector3d center = Eigen::Vector3d::Zero();

@@ -55,7 +55,8 @@ std::int32_t LiveVertices(const SampleMesh& mesh) {
 // Of what is left.
 std::int32_t Euler(const SampleMesh& mesh) {
   std::int32_t faces = 0;
-  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) faces += mesh.IsDead(t) ? 0 : 1;
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t)
+    faces += mesh.IsDead(TriangleIndex(t)) ? 0 : 1;
   return LiveVertices(mesh) - faces / 2;
 }
 
