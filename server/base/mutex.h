@@ -20,6 +20,7 @@ class ABSL_LOCKABLE Mutex {
   void unlock() ABSL_UNLOCK_FUNCTION() { mutex_.unlock(); }
 
  private:
+  friend class CondVar;
   std::mutex mutex_;
 };
 
@@ -37,7 +38,37 @@ class ABSL_SCOPED_LOCKABLE MutexLock {
   Mutex& mutex_;
 };
 
-/// Wakes threads that wait on a Mutex they hold.
-using CondVar = std::condition_variable_any;
+/// Wakes threads that wait on a Mutex they hold. Whoever wakes one has half as many calls of the
+/// system to make as with std::condition_variable_any, which has a mutex of its own besides.
+class CondVar {
+ public:
+  void wait(Mutex& mutex) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
+    Held held(mutex);
+    changed_.wait(held.lock);
+  }
+  template <typename TimePoint>
+  std::cv_status wait_until(Mutex& mutex, const TimePoint& deadline)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
+    Held held(mutex);
+    return changed_.wait_until(held.lock, deadline);
+  }
+  void notify_one() { changed_.notify_one(); }
+  void notify_all() { changed_.notify_all(); }
+
+ private:
+  // The lock of a caller, which keeps it.
+  struct Held {
+    explicit Held(Mutex& mutex) : lock(mutex.mutex_, std::adopt_lock) {}
+    ~Held() { lock.release(); }
+    Held(const Held&) = delete;
+    Held& operator=(const Held&) = delete;
+    std::unique_lock<std::mutex> lock;
+  };
+
+  std::condition_variable changed_;
+};
+
+/// The same where a std::stop_token ends the wait too.
+using StoppableCondVar = std::condition_variable_any;
 
 }  // namespace ccst::server

@@ -38,12 +38,14 @@ bool IsPutBack(const JobSpec& spec, const JobView& view) {
          (view.state == JobState::kCancelling || view.state == JobState::kCancelled);
 }
 
-Job::Job(std::string id, JobSpec spec, const Clock& clock, Post post)
+Job::Job(std::string id, JobSpec spec, const Clock& clock, Post post,
+         std::shared_ptr<const HeldInput> held)
     : id_(std::move(id)),
       spec_(std::move(spec)),
       clock_(clock),
       post_(std::move(post)),
       create_seconds_(clock.seconds()),
+      held_(std::move(held)),
       unwatched_since_(create_seconds_) {
   view_.create_time = clock_.now();
 }
@@ -132,10 +134,11 @@ bool Job::Cancel(StopCause cause) {
       sealed_ = true;
       view_.end_time = clock_.now();
       view_.queue_position = 0;
+      held_ = nullptr;
     }
   }
   stop_.request_stop();
-  Notify();
+  Notify(Urgency::kNow);
   return true;
 }
 
@@ -146,7 +149,7 @@ void Job::SetQueuePosition(int position) {
     view_.queue_position = position;
     ++view_.version;
   }
-  Notify();
+  Notify(Urgency::kLater);
 }
 
 bool Job::Take() {
@@ -159,8 +162,13 @@ bool Job::Take() {
     view_.start_time = clock_.now();
     start_seconds_ = clock_.seconds();
   }
-  Notify();
+  Notify(Urgency::kLater);
   return true;
+}
+
+std::shared_ptr<const HeldInput> Job::held_input() const {
+  MutexLock lock(mutex_);
+  return held_;
 }
 
 double Job::QueueSeconds() const {
@@ -175,7 +183,7 @@ void Job::AddPhase(Phase phase) {
     view_.phase = phase;
     ++view_.version;
   }
-  Notify();
+  Notify(Urgency::kLater);
 }
 
 void Job::AddReport(const AlternationReport& report) {
@@ -189,7 +197,7 @@ void Job::AddReport(const AlternationReport& report) {
     reports_.push_back(kept);
     if (preview != nullptr) preview_ = std::move(preview);
   }
-  Notify();
+  Notify(Urgency::kLater);
 }
 
 JobView Job::Seal(absl::StatusOr<JobResult> outcome) {
@@ -238,7 +246,7 @@ int Job::PutOff(const absl::Status& why) {
     preview_ = nullptr;
     count = ++put_off_count_;
   }
-  Notify();
+  Notify(Urgency::kNow);
   return count;
 }
 
@@ -249,8 +257,9 @@ void Job::Publish(JobView end) {
     view_ = std::move(end);
     published_ = true;
     preview_ = nullptr;
+    held_ = nullptr;
   }
-  Notify();
+  Notify(Urgency::kNow);
 }
 
 bool Job::Advance(JobEvent event) {
@@ -262,10 +271,13 @@ bool Job::Advance(JobEvent event) {
   return true;
 }
 
-void Job::Notify() {
+void Job::Notify(Urgency urgency) {
   // What is new while a call is under way goes with the next one.
-  if (news_.exchange(true)) return;
-  post_([self = shared_from_this()] { self->CallWatchers(); });
+  if (!news_.exchange(true)) {
+    post_([self = shared_from_this()] { self->CallWatchers(); }, urgency);
+  } else if (urgency == Urgency::kNow) {
+    post_(nullptr, urgency);
+  }
 }
 
 void Job::CallWatchers() {

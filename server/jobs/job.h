@@ -16,8 +16,10 @@
 #include "server/base/clock.h"
 #include "server/base/mutex.h"
 #include "server/formats/job_outcome.h"
+#include "server/jobs/held_inputs.h"
 #include "server/jobs/job_spec.h"
 #include "server/jobs/job_state.h"
+#include "server/jobs/notifier.h"
 
 namespace ccst::server {
 
@@ -57,11 +59,13 @@ bool IsPutBack(const JobSpec& spec, const JobView& view);
 /// bounded by `max_iterations` small reports and one preview. Thread-safe.
 class Job : public std::enable_shared_from_this<Job> {
  public:
-  /// Runs a task soon, on another thread.
-  using Post = std::function<void(std::function<void()>)>;
+  /// Runs a task on another thread, as Notifier::Post().
+  using Post = std::function<void(std::function<void()>, Urgency)>;
 
-  /// A new job, QUEUED. `post` carries news to watchers.
-  Job(std::string id, JobSpec spec, const Clock& clock, Post post);
+  /// A new job, QUEUED. `post` carries news to watchers; `held` is its mesh where the store does
+  /// not have that, else null.
+  Job(std::string id, JobSpec spec, const Clock& clock, Post post,
+      std::shared_ptr<const HeldInput> held = nullptr);
   /// One that has ended, as it was stored; an error in place of reports that are damaged.
   Job(std::string id, JobSpec spec, const Clock& clock, JobView view,
       absl::StatusOr<std::vector<AlternationReport>> reports);
@@ -85,7 +89,8 @@ class Job : public std::enable_shared_from_this<Job> {
   /// The latest preview; null before the first.
   std::shared_ptr<const JobPreview> Preview() const;
 
-  /// `watcher` is called soon after changes, on any thread, never concurrently; it must neither
+  /// `watcher` is called soon after changes, at once where they end the job or ask it to stop, and
+  /// after some milliseconds for the others; on any thread, never concurrently; it must neither
   /// block nor throw, nor add or remove watchers. Previews have as many points as the most
   /// demanding watcher asked for. Empty when there are `most` already. After RemoveWatcher()
   /// returned, no call runs any more.
@@ -107,6 +112,8 @@ class Job : public std::enable_shared_from_this<Job> {
   /// QUEUED -> RUNNING; false when the job was cancelled before.
   bool Take();
   std::stop_token stop_token() const { return stop_.get_token(); }
+  /// Its mesh where only the job has it, until its end is shown; else null.
+  std::shared_ptr<const HeldInput> held_input() const;
   double QueueSeconds() const;
   void AddPhase(Phase phase);
   /// Keeps the report without its positions, and a preview of them where somebody wants one.
@@ -125,7 +132,7 @@ class Job : public std::enable_shared_from_this<Job> {
  private:
   // The state after `event` where it may happen; counts as a change.
   bool Advance(JobEvent event) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void Notify() ABSL_LOCKS_EXCLUDED(mutex_);
+  void Notify(Urgency urgency) ABSL_LOCKS_EXCLUDED(mutex_);
   void CallWatchers();
 
   const std::string id_;
@@ -148,6 +155,7 @@ class Job : public std::enable_shared_from_this<Job> {
   double start_seconds_ ABSL_GUARDED_BY(mutex_) = 0.0;
   std::vector<AlternationReport> reports_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<const JobPreview> preview_ ABSL_GUARDED_BY(mutex_);
+  std::shared_ptr<const HeldInput> held_ ABSL_GUARDED_BY(mutex_);
 
   struct Watcher {
     std::function<void()> call;

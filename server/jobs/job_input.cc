@@ -31,7 +31,7 @@ absl::StatusOr<T> DecodeUnlessStopped(const InputSource& source, const End& end,
                                       std::function<absl::StatusOr<T>(const std::string&)> decode) {
   struct Decoding {
     Mutex mutex;
-    CondVar changed;
+    StoppableCondVar changed;
     bool done ABSL_GUARDED_BY(mutex) = false;
     absl::StatusOr<T> result ABSL_GUARDED_BY(mutex);
   };

@@ -17,7 +17,10 @@
 namespace ccst::server {
 namespace {
 
-constexpr std::size_t kMaxPosted = std::size_t{1} << 20;
+// How often watchers hear of a job that goes on. Nobody sees less, and small jobs take less time.
+constexpr std::chrono::milliseconds kNewsInterval(10);
+// Of meshes that only jobs in memory have.
+constexpr std::int64_t kMostHeldBytes = std::int64_t{32} << 20;
 // How often the process may die while a job runs.
 constexpr int kMostUncleanEnds = 2;
 // Dropped in one change of the records; others use the store between two of them.
@@ -83,7 +86,8 @@ JobManager::JobManager(Store& store, BlobPins& pins, const JobManagerOptions& op
       budget_(dependencies_.budget != nullptr
                   ? dependencies_.budget
                   : std::make_shared<MemoryBudget>(options.memory_budget_bytes)),
-      notifier_(1, kMaxPosted),
+      held_inputs_(std::min(kMostHeldBytes, budget_->limit_bytes() / 64)),
+      notifier_(kNewsInterval),
       runs_(store_, pins_, options_, dependencies_, live_, budget_) {}
 
 JobManager::~JobManager() = default;
@@ -128,18 +132,24 @@ void JobManager::TakeUp(const JobRecord& record) {
   }
 }
 
-std::shared_ptr<Job> JobManager::NewJob(std::string id, JobSpec spec) {
+std::shared_ptr<Job> JobManager::NewJob(std::string id, JobSpec spec,
+                                        std::shared_ptr<const HeldInput> held) {
+  auto post = [this](std::function<void()> task, Urgency urgency) {
+    notifier_.Post(std::move(task), urgency);
+  };
   // Not make_shared: a weak pointer of ended_ would keep the job's own memory until the next sweep.
-  return std::make_unique<Job>(
-      std::move(id), std::move(spec), dependencies_.run.clock,
-      [this](std::function<void()> task) { notifier_.Run(std::move(task)); });
+  return std::make_unique<Job>(std::move(id), std::move(spec), dependencies_.run.clock,
+                               std::move(post), std::move(held));
 }
 
-absl::Status JobManager::Check(const JobSpec& spec) const { return AdmittedMemory(spec).status(); }
+absl::Status JobManager::Check(const JobSpec& spec) const {
+  return AdmittedMemory(spec, nullptr).status();
+}
 
-absl::StatusOr<std::int64_t> JobManager::AdmittedMemory(const JobSpec& spec) const {
+absl::StatusOr<std::int64_t> JobManager::AdmittedMemory(
+    const JobSpec& spec, const std::shared_ptr<const HeldInput>& held) const {
   std::int64_t memory = 0;
-  CCST_ASSIGN_OR_RETURN(memory, runs_.MemoryOf(spec));
+  CCST_ASSIGN_OR_RETURN(memory, runs_.MemoryOf(spec, held));
   if (memory <= budget_->limit_bytes()) return memory;
   return OverLimit({"max_job_memory_bytes", budget_->limit_bytes(), memory},
                    "the job may need " + std::to_string(memory) +
@@ -148,14 +158,15 @@ absl::StatusOr<std::int64_t> JobManager::AdmittedMemory(const JobSpec& spec) con
                        "; ask for fewer samples or send a smaller mesh");
 }
 
-absl::StatusOr<std::shared_ptr<Job>> JobManager::Create(const JobSpec& spec) {
+absl::StatusOr<std::shared_ptr<Job>> JobManager::Create(
+    const JobSpec& spec, const std::shared_ptr<const HeldInput>& held) {
   // Each time another call has dropped a job in between; more often only damage can do that.
   constexpr int kAttempts = 20;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     std::shared_ptr<Job> job;
     CCST_ASSIGN_OR_RETURN(job, FindRequest(spec));
     if (job != nullptr) return job;
-    CCST_ASSIGN_OR_RETURN(job, Accept(spec));
+    CCST_ASSIGN_OR_RETURN(job, Accept(spec, held));
     if (job != nullptr) return job;
   }
   return MakeError(absl::StatusCode::kDataLoss, ErrorReason::kStorageFailed,
@@ -179,9 +190,10 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::FindRequest(const JobSpec& spec
   return job;
 }
 
-absl::StatusOr<std::shared_ptr<Job>> JobManager::Accept(const JobSpec& spec) {
+absl::StatusOr<std::shared_ptr<Job>> JobManager::Accept(
+    const JobSpec& spec, const std::shared_ptr<const HeldInput>& held) {
   std::int64_t memory = 0;
-  CCST_ASSIGN_OR_RETURN(memory, AdmittedMemory(spec));
+  CCST_ASSIGN_OR_RETURN(memory, AdmittedMemory(spec, held));
   CCST_RETURN_IF_ERROR(store_.blobs().CheckRoom(EstimateStoredBytes(spec.options.sample_count)));
   auto place = runs_.runner().Reserve(spec.share);
   if (!place.ok()) return place.status();
@@ -190,7 +202,7 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::Accept(const JobSpec& spec) {
       store_, spec.owner, BytesOf(record) + record.expected_end_bytes, options_.records));
   if (!spec.skip_cache_lookup) {
     std::optional<JobRecord> answered;
-    CCST_ASSIGN_OR_RETURN(answered, AnswerFromCache(record));
+    CCST_ASSIGN_OR_RETURN(answered, AnswerFromCache(record, held));
     dependencies_.observer->OnCacheLookup("result", answered.has_value());
     if (answered.has_value()) {
       if (answered->id != record.id) return nullptr;
@@ -199,7 +211,7 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::Accept(const JobSpec& spec) {
       return job;
     }
   }
-  const std::shared_ptr<Job> job = NewJob(record.id, spec);
+  const std::shared_ptr<Job> job = NewJob(record.id, spec, held);
   live_.Add(job);  // Found from the moment on that it is stored.
   auto stored = store_.AddJob(record);
   if (!stored.ok() || stored->id != record.id) live_.Remove(job->id());
@@ -209,7 +221,8 @@ absl::StatusOr<std::shared_ptr<Job>> JobManager::Accept(const JobSpec& spec) {
   return job;
 }
 
-absl::StatusOr<std::optional<JobRecord>> JobManager::AnswerFromCache(const JobRecord& record) {
+absl::StatusOr<std::optional<JobRecord>> JobManager::AnswerFromCache(
+    const JobRecord& record, const std::shared_ptr<const HeldInput>& held) {
   const absl::Time now = dependencies_.run.clock.now();
   std::optional<JobRecord> found;
   CCST_ASSIGN_OR_RETURN(found, store_.FindReusable(record.spec_digest, now));
@@ -224,6 +237,10 @@ absl::StatusOr<std::optional<JobRecord>> JobManager::AnswerFromCache(const JobRe
   std::optional<JobRecord> kept;
   CCST_ASSIGN_OR_RETURN(kept, store_.GetJob(found->id));
   if (!kept.has_value()) return std::nullopt;
+  // It is there as a rule, as the other job has it too; the caller's pin keeps it.
+  if (held != nullptr && !store_.blobs().Check(held->sha256).ok()) {
+    CCST_RETURN_IF_ERROR(PutWhole(store_.blobs(), held->bytes).status());
+  }
   return store_.AddEndedJob(AnsweredRecord(record, *found, now, options_.retention), *history);
 }
 

@@ -10,14 +10,15 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "server/base/executor.h"
 #include "server/base/mutex.h"
+#include "server/jobs/held_inputs.h"
 #include "server/jobs/job.h"
 #include "server/jobs/job_manager_options.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/job_runs.h"
 #include "server/jobs/live_jobs.h"
 #include "server/jobs/memory_budget.h"
+#include "server/jobs/notifier.h"
 #include "server/jobs/stored_samples.h"
 #include "server/meshes/blob_pins.h"
 #include "server/store/store.h"
@@ -47,13 +48,21 @@ class JobManager {
 
   const JobManagerOptions& options() const { return options_; }
 
+  /// Takes the mesh of a job that ends with its caller into memory, for Create(); null where it is
+  /// to be stored instead. See HeldInputs::Hold().
+  std::shared_ptr<const HeldInput> Hold(const std::string& sha256, std::string& bytes) {
+    return held_inputs_.Hold(sha256, bytes);
+  }
+
   /// Accepts a job, or returns the one accepted before for the same request_id. The caller holds
-  /// pins on mesh and texture.
+  /// pins on mesh and texture. A mesh that is `held` need not be stored: it is when the job ends
+  /// with samples.
   /// @errors INVALID_ARGUMENT LIMIT_EXCEEDED it needs more memory than the budget | what the mesh
   ///         announces is over the limits | FAILED_PRECONDITION MESH_MISSING | as FindRequest()
   ///       | RESOURCE_EXHAUSTED QUEUE_FULL | QUOTA_EXCEEDED | STORAGE_FULL | UNAVAILABLE DRAINING
   ///       | those of Store
-  absl::StatusOr<std::shared_ptr<Job>> Create(const JobSpec& spec);
+  absl::StatusOr<std::shared_ptr<Job>> Create(
+      const JobSpec& spec, const std::shared_ptr<const HeldInput>& held = nullptr);
 
   /// The job accepted before for the request_id of `spec`; null when there is none. It is found
   /// whatever has become of its mesh and of the room for new jobs.
@@ -115,14 +124,18 @@ class JobManager {
 
   void TakeUp(const JobRecord& record);
   // JobRuns::MemoryOf() where the budget allows it.
-  absl::StatusOr<std::int64_t> AdmittedMemory(const JobSpec& spec) const;
-  std::shared_ptr<Job> NewJob(std::string id, JobSpec spec);
+  absl::StatusOr<std::int64_t> AdmittedMemory(const JobSpec& spec,
+                                              const std::shared_ptr<const HeldInput>& held) const;
+  std::shared_ptr<Job> NewJob(std::string id, JobSpec spec,
+                              std::shared_ptr<const HeldInput> held = nullptr);
   // A new job; null when another call with its request_id was first, or when the job, answered from
   // the cache, is dropped at once.
-  absl::StatusOr<std::shared_ptr<Job>> Accept(const JobSpec& spec);
+  absl::StatusOr<std::shared_ptr<Job>> Accept(const JobSpec& spec,
+                                              const std::shared_ptr<const HeldInput>& held);
   // `record` as it is stored when an equal spec answers it, or the job that was first with its
   // request_id; empty when nothing answers it.
-  absl::StatusOr<std::optional<JobRecord>> AnswerFromCache(const JobRecord& record);
+  absl::StatusOr<std::optional<JobRecord>> AnswerFromCache(
+      const JobRecord& record, const std::shared_ptr<const HeldInput>& held);
   // The ended job of `record`, with its history; NOT_FOUND when it is dropped meanwhile.
   absl::StatusOr<std::shared_ptr<Job>> Restore(const JobRecord& record);
 
@@ -136,6 +149,7 @@ class JobManager {
   const JobManagerDependencies dependencies_;
   const std::shared_ptr<MemoryBudget> budget_;
 
+  HeldInputs held_inputs_;
   LiveJobs live_;
 
   mutable Mutex mutex_;
@@ -143,7 +157,7 @@ class JobManager {
   int watchers_ ABSL_GUARDED_BY(mutex_) = 0;
 
   // In this order: what goes first is used by what was made before it.
-  Executor notifier_;
+  Notifier notifier_;
   JobRuns runs_;
 };
 

@@ -37,6 +37,8 @@ JobRecord NewRecord(const std::string& id, const JobSpec& spec, absl::Time now) 
   record.definition = EncodeDefinition(DefinitionOf(spec));
   record.create_time = now;
   record.expected_end_bytes = kOutcomeBytes + kReportBytes * spec.options.max_iterations;
+  // After a crash it would only be cancelled.
+  record.may_be_lost = spec.ends_with_caller;
   return record;
 }
 

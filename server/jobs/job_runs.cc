@@ -88,9 +88,10 @@ JobRuns::JobRuns(Store& store, BlobPins& pins, const JobManagerOptions& options,
       });
 }
 
-absl::StatusOr<std::int64_t> JobRuns::MemoryOf(const JobSpec& spec) const {
+absl::StatusOr<std::int64_t> JobRuns::MemoryOf(const JobSpec& spec,
+                                               const std::shared_ptr<const HeldInput>& held) const {
   InputCounts input;
-  CCST_ASSIGN_OR_RETURN(input, CountInput(store_.blobs(), spec, dependencies_.run));
+  CCST_ASSIGN_OR_RETURN(input, CountInput(store_.blobs(), spec, dependencies_.run, held));
   return EstimateJob(input, spec.options);
 }
 
@@ -118,7 +119,9 @@ void JobRuns::Run(const std::shared_ptr<Job>& job, std::shared_ptr<void> grant) 
     return;
   }
   const auto load_error = std::make_shared<LoadError>();
-  const auto load = [this, load_error](const std::string& sha256) {
+  const auto load = [this, load_error, held = job->held_input()](
+                        const std::string& sha256) -> absl::StatusOr<std::string> {
+    if (held != nullptr && held->sha256 == sha256) return held->bytes;
     auto whole = ReadWhole(store_.blobs(), sha256);
     if (MayPass(whole.status())) load_error->Set(whole.status());
     return whole;
@@ -193,9 +196,17 @@ absl::Status JobRuns::StoreResult(const std::shared_ptr<Job>& job, const SampleS
                                   JobView& end) {
   std::optional<BlobPins::Pin> pin;  // Until the record refers to the blob.
   if (end.result != nullptr) {
+    CCST_RETURN_IF_ERROR(StoreHeldInput(*job));
     CCST_ASSIGN_OR_RETURN(end.samples_blob, StoreSamples(samples, pin));
   }
   return StoreEndAs(job, end);
+}
+
+absl::Status JobRuns::StoreHeldInput(const Job& job) {
+  const auto held = job.held_input();
+  // Its record refers to it already, so that nothing else keeps it.
+  if (held == nullptr || store_.blobs().Check(held->sha256).ok()) return absl::OkStatus();
+  return PutWhole(store_.blobs(), held->bytes).status();
 }
 
 absl::StatusOr<std::string> JobRuns::StoreSamples(const SampleSet& samples,

@@ -38,9 +38,10 @@ class JobRuns {
   JobRunner& runner() { return *runner_; }
   const JobRunner& runner() const { return *runner_; }
 
-  /// The memory a job may need, from what its mesh and image announce. Errors as
+  /// The memory a job may need, from what its mesh, `held` or stored, and image announce. Errors as
   /// CountInput().
-  absl::StatusOr<std::int64_t> MemoryOf(const JobSpec& spec) const;
+  absl::StatusOr<std::int64_t> MemoryOf(
+      const JobSpec& spec, const std::shared_ptr<const HeldInput>& held = nullptr) const;
 
   /// Takes a job that an earlier process left, and that ran `starts` times when one died.
   /// @errors those of CountInput(), where the job can never run
@@ -79,6 +80,7 @@ class JobRuns {
   void Finish(const std::shared_ptr<Job>& job, absl::StatusOr<JobResult> outcome);
   absl::Status StoreEndAs(const std::shared_ptr<Job>& job, const JobView& end);
   absl::Status StoreResult(const std::shared_ptr<Job>& job, const SampleSet& samples, JobView& end);
+  absl::Status StoreHeldInput(const Job& job);
   absl::StatusOr<std::string> StoreSamples(const SampleSet& samples,
                                            std::optional<BlobPins::Pin>& pin);
   // The store failed `job`: it waits to run again, unless it was asked to stop, or ends with its

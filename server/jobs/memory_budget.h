@@ -35,7 +35,7 @@ class MemoryBudget : public std::enable_shared_from_this<MemoryBudget> {
 
   const std::int64_t limit_bytes_;
   mutable Mutex mutex_;
-  CondVar released_;
+  StoppableCondVar released_;
   std::int64_t used_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   // Held while it runs; never together with mutex_.
   Mutex listener_mutex_;

@@ -133,9 +133,15 @@ absl::StatusOr<MeshCounts> CountMesh(const BlobStore& blobs, const std::string& 
 }
 
 absl::StatusOr<InputCounts> CountInput(const BlobStore& blobs, const JobSpec& spec,
-                                       const RunDependencies& dependencies) {
+                                       const RunDependencies& dependencies,
+                                       const std::shared_ptr<const HeldInput>& held) {
   InputCounts input;
-  CCST_ASSIGN_OR_RETURN(input.mesh, CountMesh(blobs, spec.mesh_sha256, dependencies));
+  if (held != nullptr) {
+    CCST_ASSIGN_OR_RETURN(input.mesh, dependencies.count(SourceOf(HeldInput::AsBlob(held)),
+                                                         dependencies.mesh_limits));
+  } else {
+    CCST_ASSIGN_OR_RETURN(input.mesh, CountMesh(blobs, spec.mesh_sha256, dependencies));
+  }
   if (spec.texture_sha256.empty()) return input;
   std::shared_ptr<const Blob> image;
   CCST_ASSIGN_OR_RETURN(image, blobs.Open(spec.texture_sha256));

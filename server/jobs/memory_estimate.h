@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "absl/status/statusor.h"
 #include "core/io/image_file.h"
 #include "core/sampling/sampling.h"
+#include "server/jobs/held_inputs.h"
 #include "server/jobs/job_spec.h"
 #include "server/jobs/run_dependencies.h"
 #include "server/store/blob_store.h"
@@ -36,8 +38,10 @@ std::int64_t EstimateAnalysis(const InputCounts& input, const DensityOptions& de
 absl::StatusOr<MeshCounts> CountMesh(const BlobStore& blobs, const std::string& sha256,
                                      const RunDependencies& dependencies);
 
-/// What mesh and image of `spec` announce. Errors as CountMesh(), and `dependencies.image_facts`.
+/// What mesh and image of `spec` announce; the mesh that of `held` where it is not null. Errors as
+/// CountMesh(), and `dependencies.image_facts`.
 absl::StatusOr<InputCounts> CountInput(const BlobStore& blobs, const JobSpec& spec,
-                                       const RunDependencies& dependencies);
+                                       const RunDependencies& dependencies,
+                                       const std::shared_ptr<const HeldInput>& held = nullptr);
 
 }  // namespace ccst::server

@@ -41,7 +41,7 @@ class SelfCheck {
   const std::function<absl::Status(double)> reach_;
   const std::function<void(const std::string&)> on_unreachable_;
   Mutex mutex_;
-  CondVar changed_;
+  StoppableCondVar changed_;
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };

@@ -37,6 +37,8 @@ class JobEvents {
   /// Of a report, counted from 1; of the end, one more than the last report's.
   std::int64_t sequence() const { return sequence_; }
   double elapsed_seconds() const { return elapsed_seconds_; }
+  /// True when Next() has another report to tell of, now or behind a snapshot.
+  bool has_report() const { return job_->Report(next_report_).has_value(); }
   /// The last view, at the end.
   const JobView& end() const { return *end_; }
 

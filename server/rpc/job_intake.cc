@@ -92,17 +92,23 @@ absl::Status OfRequestId(const absl::Status& status) {
 absl::StatusOr<std::shared_ptr<Job>> Submit(const JobSupport& support, const Caller& caller,
                                             JobCall call, v1::SampleRequest& request) {
   Pins pins(support);
+  std::shared_ptr<const HeldInput> held;
   if (call.mesh_sha256.empty()) {
-    const std::string bytes = std::move(*request.mutable_inline_mesh()->mutable_data());
+    std::string bytes = std::move(*request.mutable_inline_mesh()->mutable_data());
     call.mesh_sha256 = Sha256Of(bytes);
-    CCST_RETURN_IF_ERROR(pins.Store(call.mesh_sha256, bytes));
+    held = support.jobs.Hold(call.mesh_sha256, bytes);
+    if (held != nullptr) {
+      pins.Hold(call.mesh_sha256);
+    } else {
+      CCST_RETURN_IF_ERROR(pins.Store(call.mesh_sha256, bytes));
+    }
   } else {
     CCST_RETURN_IF_ERROR(UseStoredMesh(support, caller, call.mesh_sha256, pins));
   }
   auto [spec, image] = MakeSpec(caller, std::move(call));
   if (image != nullptr) CCST_RETURN_IF_ERROR(pins.Store(spec.texture_sha256, *image));
   spec.ends_with_caller = true;
-  return support.jobs.Create(spec);
+  return support.jobs.Create(spec, held);
 }
 
 absl::StatusOr<v1::Job> Submit(const JobSupport& support, const Caller& caller,

@@ -24,8 +24,8 @@ struct JobSupport {
   RequestLimits limits;
 };
 
-/// Makes a job of a request: checks it, stores inline mesh and image, and has the job accepted.
-/// Blocks on the disk. Lets go of the mesh's bytes in `request`.
+/// Makes a job of a request: checks it, stores image and inline mesh, a small one not before it is
+/// sampled, and has the job accepted. Blocks on the disk. Lets go of the mesh's bytes in `request`.
 /// @errors those of FromProto() and JobManager::Create() | FAILED_PRECONDITION MESH_MISSING
 absl::StatusOr<std::shared_ptr<Job>> Submit(const JobSupport& support, const Caller& caller,
                                             JobCall call, v1::SampleRequest& request);

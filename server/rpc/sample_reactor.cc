@@ -45,6 +45,12 @@ absl::Status SampleReactor::Open(Call& call) {
 
 StreamStep SampleReactor::Next(v1::SampleResponse& message) {
   if (closed_) return StreamStep::kEnd;
+  const StreamStep step = NextInMemory(message);
+  return step == StreamStep::kRead ? AfterEvents(message) : step;
+}
+
+StreamStep SampleReactor::NextInMemory(v1::SampleResponse& message) {
+  if (closed_) return StreamStep::kRead;
   switch (events_->Next()) {
     case JobEvents::Kind::kNothing:
       return StreamStep::kWait;
@@ -60,7 +66,7 @@ StreamStep SampleReactor::Next(v1::SampleResponse& message) {
     case JobEvents::Kind::kEnd:
       break;
   }
-  return AfterEvents(message);
+  return StreamStep::kRead;
 }
 
 StreamStep SampleReactor::AfterEvents(v1::SampleResponse& message) {
@@ -105,7 +111,9 @@ bool SampleReactor::MakeHeartbeat(v1::SampleResponse& message) {
 }
 
 bool SampleReactor::MoreFollows(const v1::SampleResponse& message) {
-  return message.has_samples() || message.has_sample_mesh();
+  // Of reports all but the last that are there.
+  return message.has_samples() || message.has_sample_mesh() ||
+         (message.has_progress() && events_->has_report());
 }
 
 void SampleReactor::OnGone() {

@@ -22,6 +22,7 @@ class SampleReactor final : public StreamReactor<v1::SampleResponse> {
  protected:
   absl::Status Open(Call& call) override;
   StreamStep Next(v1::SampleResponse& message) override;
+  StreamStep NextInMemory(v1::SampleResponse& message) override;
   absl::Status end_status() override { return end_status_; }
   bool MakeHeartbeat(v1::SampleResponse& message) override;
   bool MoreFollows(const v1::SampleResponse& message) override;

@@ -57,13 +57,15 @@ enum class StreamStep {
   kWrite,  ///< A message was filled.
   kWait,   ///< Nothing new; Pump() when there is.
   kEnd,    ///< The stream is over.
+  kRead,   ///< Of NextInMemory() alone: Next() has to say what is next.
 };
 
 /// One server-streaming call: makes one message when the last one is written, as fast as the
 /// caller reads, so that a slow one costs one message of memory, for which it takes a share of
 /// `StreamSupport::memory`. One that does not take a message for too long is cancelled. Keeps
 /// itself alive until gRPC is done with it and no task of its own is under way. A derived class
-/// says what the messages are; its functions run on the executor, one at a time.
+/// says what the messages are; its functions run on the executor, NextInMemory() also on threads of
+/// gRPC, one at a time.
 template <typename Response>
 class StreamReactor : public grpc::ServerWriteReactor<Response>,
                       public OpenStreams::Stream,
@@ -93,7 +95,8 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
       writing_ = false;
       if (!ok) caller_gone_ = true;
     }
-    Pump();
+    // Without another thread where nothing blocks.
+    if (!WriteNext(Blocking::kMustNot)) Pump();
   }
 
   void OnCancel() final {
@@ -135,6 +138,8 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
   virtual absl::Status Open(Call& call) = 0;
   /// The next message, into a cleared `message`.
   virtual StreamStep Next(Response& message) = 0;
+  /// The same without blocking; kRead where that takes Next(), as at the end.
+  virtual StreamStep NextInMemory(Response& /*message*/) { return StreamStep::kRead; }
   /// How a stream that is over ends.
   virtual absl::Status end_status() { return absl::OkStatus(); }
   /// A message that says no more than that the stream is alive; false when there is none.
@@ -148,7 +153,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
 
   /// There may be something new to say; on any thread, does not block.
   void Pump() {
-    Post([this] { WriteNext(); });
+    Post([this] { WriteNext(Blocking::kMay); });
   }
 
   Call& call() { return *call_; }
@@ -170,7 +175,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
         opened_ = true;
         if (!status.ok()) FinishWith(status);
       }
-      WriteNext();
+      WriteNext(Blocking::kMay);
     });
     if (accepted) return;
     MutexLock lock(mutex_);
@@ -182,27 +187,34 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
     if (!support_.executor.Run(run)) run();
   }
 
-  void WriteNext() {
+  enum class Blocking { kMay, kMustNot };
+
+  // Writes the next message, or ends the call, where there is something to do. False where it would
+  // have to block.
+  bool WriteNext(Blocking blocking) {
     MutexLock lock(mutex_);
-    if (!opened_ || writing_ || finished_) return;
+    if (!opened_ || writing_ || finished_) return true;
+    const bool may_block = blocking == Blocking::kMay;
     if (caller_gone_) {
+      if (!may_block) return false;
       FinishWith(MakeError(absl::StatusCode::kCancelled, ErrorReason::kCancelled,
                            too_long_ ? "the caller did not take a message for too long"
                                      : "the caller went away or its deadline passed"));
-      return;
+      return true;
     }
     StreamStep step = StreamStep::kEnd;
     message_.Clear();
     const absl::Status status = RunStep([&] {
-      step = Next(message_);
+      step = may_block ? Next(message_) : NextInMemory(message_);
       return absl::OkStatus();
     });
+    if (step == StreamStep::kRead && status.ok()) return false;
     if (!status.ok() || step == StreamStep::kEnd) {
       FinishWith(status.ok() ? end_status() : status);
-      return;
+      return true;
     }
     if (step == StreamStep::kWait && !(std::exchange(quiet_, false) && MakeHeartbeat(message_))) {
-      return;
+      return true;
     }
     grpc::WriteOptions options;
     if (MoreFollows(message_)) options.set_buffer_hint();
@@ -211,6 +223,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response>,
     call_->Sent(message_);
     write_timer_->Start();
     this->StartWrite(&message_, options);
+    return true;
   }
 
   absl::Status TakeMemory() {

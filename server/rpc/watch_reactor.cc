@@ -73,6 +73,11 @@ StreamStep WatchReactor::Next(v1::WatchJobResponse& message) {
   return StreamStep::kEnd;
 }
 
+bool WatchReactor::MoreFollows(const v1::WatchJobResponse& message) {
+  // Of the reports that are there all but the last, where none of them is left out.
+  return message.has_progress() && min_interval_seconds_ == 0.0 && events_->has_report();
+}
+
 bool WatchReactor::IsTooSoon() {
   const double now = events_->elapsed_seconds();
   if (last_progress_seconds_.has_value() && now - *last_progress_seconds_ < min_interval_seconds_) {

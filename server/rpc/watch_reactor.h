@@ -19,6 +19,10 @@ class WatchReactor final : public StreamReactor<v1::WatchJobResponse> {
  protected:
   absl::Status Open(Call& call) override;
   StreamStep Next(v1::WatchJobResponse& message) override;
+  StreamStep NextInMemory(v1::WatchJobResponse& message) override {
+    return closed_ ? StreamStep::kRead : Next(message);
+  }
+  bool MoreFollows(const v1::WatchJobResponse& message) override;
   absl::Status end_status() override { return end_status_; }
   bool MakeHeartbeat(v1::WatchJobResponse& message) override;
   void Close() override;

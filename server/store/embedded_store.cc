@@ -108,7 +108,11 @@ absl::StatusOr<bool> EmbeddedStore::IsMeshInUse(const std::string& owner,
 absl::StatusOr<JobRecord> EmbeddedStore::AddJob(const JobRecord& job) {
   CCST_RETURN_IF_ERROR(CheckGrowth());
   const MutexLock lock(mutex_);
-  return jobs_.Add(job, "");
+  if (!job.may_be_lost) return jobs_.Add(job, "");
+  CCST_RETURN_IF_ERROR(database_->SetSynchronized(false));
+  auto added = jobs_.Add(job, "");
+  CCST_RETURN_IF_ERROR(database_->SetSynchronized(true));
+  return added;
 }
 
 absl::StatusOr<JobRecord> EmbeddedStore::AddEndedJob(const JobRecord& job,

@@ -53,6 +53,9 @@ struct JobRecord {
   int starts = 0;  ///< Runs that began and were neither ended nor given back.
   /// When added: what its end may add, outcome and history; counts until it ends.
   std::int64_t expected_end_bytes = 0;
+  /// When added: a loss of power before its end, or another durable change, may take it away, so
+  /// that nobody waits for the disk. The loss of the process does not.
+  bool may_be_lost = false;
 };
 
 /// A job that was dropped.

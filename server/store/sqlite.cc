@@ -142,6 +142,10 @@ absl::Status Database::RunScript(const std::string& sql) {
   return result_code == SQLITE_OK ? absl::OkStatus() : RecordsError(handle_, result_code, kFailure);
 }
 
+absl::Status Database::SetSynchronized(bool synchronized) {
+  return RunScript(synchronized ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL");
+}
+
 absl::Status Database::Checkpoint() {
   const int result_code =
       sqlite3_wal_checkpoint_v2(handle_, nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);

@@ -86,6 +86,9 @@ class Database {
   Statement Once(std::string_view sql);
   /// Runs statements without parameters, separated by semicolons.
   absl::Status RunScript(const std::string& sql);
+  /// Whether commits from now on wait until the disk has them, as they do at first; one that does
+  /// has all those before it written too. No transaction may be under way.
+  absl::Status SetSynchronized(bool synchronized);
   /// Moves all of the log into the database and leaves the log empty; no statement may be under
   /// way.
   absl::Status Checkpoint();

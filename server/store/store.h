@@ -62,7 +62,7 @@ class Store {
   // Jobs.
 
   /// Adds a job. Where the owner has a job of the same request_id, that is returned instead and
-  /// nothing is added.
+  /// nothing is added. Not durable for a record that `may_be_lost`.
   virtual absl::StatusOr<JobRecord> AddJob(const JobRecord& job) = 0;
   /// The same for a job that has ended already, with its `history` (opaque): all of it or nothing.
   virtual absl::StatusOr<JobRecord> AddEndedJob(const JobRecord& job,

@@ -84,7 +84,9 @@ RunDependencies FakeDependencies(SampleFunction sample) {
 }
 
 Job::Post PostNow() {
-  return [](std::function<void()> task) { task(); };
+  return [](const std::function<void()>& task, Urgency /*urgency*/) {
+    if (task != nullptr) task();
+  };
 }
 
 RunInputs FakeInputs(Executor& decoders, JobObserver& observer) {

@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import draco
 
-from harness import (Client, Folder, Report, Server, arguments, options, program_named,
+from harness import (Client, Folder, Report, Server, arguments, mesh_pb2, options, program_named,
                      sampling_service_pb2)
 
 TICKS = os.sysconf("SC_CLK_TCK")
@@ -38,9 +38,15 @@ def core_seconds(mesh, count, jobs):
 
 
 def serve(client, mesh, count, seeds, callers):
+    """`mesh` goes with each request when it is the bytes, and is named there when it is a name."""
     def sample(seed):
-        request = sampling_service_pb2.SampleRequest(
-            mesh_name=mesh, skip_cache_lookup=True, options=options(count, seed))
+        request = sampling_service_pb2.SampleRequest(skip_cache_lookup=True,
+                                                     options=options(count, seed))
+        if isinstance(mesh, bytes):
+            request.inline_mesh.format = mesh_pb2.MESH_FORMAT_DRACO
+            request.inline_mesh.data = mesh
+        else:
+            request.mesh_name = mesh
         got = sum(len(event.samples.face_indices)
                   for event in client.call(client.jobs.Sample, request))
         return got == count
@@ -50,18 +56,18 @@ def serve(client, mesh, count, seeds, callers):
 
 
 def main():
-    args = arguments(__doc__, jobs=40, count=2000, callers=4, mesh="", strict=False)
+    args = arguments(__doc__, jobs=40, count=2000, callers=4, mesh="", inline=False, strict=False)
     report = Report()
     mesh = draco.encode(*draco.torus(96, 48))
     if args.mesh:
         with open(args.mesh, "rb") as file:
             mesh = file.read()
     with Folder() as folder, Server(folder) as server, Client(server.address) as client:
-        name = client.upload(mesh).name
-        serve(client, name, args.count, range(args.jobs, args.jobs + 8), args.callers)
+        sent = mesh if args.inline else client.upload(mesh).name
+        serve(client, sent, args.count, range(args.jobs, args.jobs + 8), args.callers)
         core = core_seconds(mesh, args.count, args.jobs)
         before, begin = processor_seconds(server.process.pid), time.monotonic()
-        complete = serve(client, name, args.count, range(args.jobs), args.callers)
+        complete = serve(client, sent, args.count, range(args.jobs), args.callers)
         elapsed = time.monotonic() - begin
         used = processor_seconds(server.process.pid) - before
     report.check(complete, f"{args.jobs} jobs gave {args.count} samples each")

@@ -41,6 +41,16 @@ TEST_F(JobRecords, UnknownIdGivesNone) {
   EXPECT_EQ(*store_->GetHistory("a"), "");
 }
 
+TEST_F(JobRecords, OneThatMayBeLostSurvivesTheProcess) {
+  JobRecord job = SomeJob("a");
+  job.may_be_lost = true;
+  ASSERT_TRUE(store_->AddJob(job).ok());
+  ASSERT_TRUE(store_->AddJob(SomeJob("b")).ok());
+  Reopen();
+  ExpectSame(**store_->GetJob("a"), job);
+  EXPECT_TRUE((*store_->GetJob("b")).has_value());
+}
+
 TEST_F(JobRecords, SameRequestOfAnOwnerGivesTheFirstJob) {
   const JobRecord first = SomeJob("a");
   ASSERT_TRUE(store_->AddJob(first).ok());
