@@ -71,7 +71,11 @@ class OptionReader {
   template <typename Number>
   void operator()(const NumberOption& option, Number& value) {
     const store::v1::Option* const entry = Find(option.info);
-    if (entry == nullptr) return;
+    if (entry == nullptr) {
+      // An option without a default has to be there.
+      if (!option.range.Contains(static_cast<double>(value))) Refuse(option.info);
+      return;
+    }
     if (const auto number = NumberIn<Number>(*entry);
         number.has_value() && option.range.Contains(static_cast<double>(*number))) {
       value = *number;

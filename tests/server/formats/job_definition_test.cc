@@ -118,6 +118,15 @@ TEST(JobDefinitions, HaveTheDefaultOfAnOptionTheyLack) {
             SamplingOptions().relative_tolerance);
 }
 
+TEST(JobDefinitions, LackOfAnOptionWithoutADefaultIsDamage) {
+  ExpectDamaged(Changed([](store::v1::Definition& message) {
+    for (auto& option : *message.mutable_options()) {
+      if (option.name() == "sample_count") option.set_name("not an option any more");
+    }
+  }));
+  ExpectDamaged(Changed([](store::v1::Definition& message) { message.clear_options(); }));
+}
+
 TEST(JobDefinitions, DamageIsNoticed) {
   ExpectDamaged("");
   ExpectDamaged("\xff\xff");
