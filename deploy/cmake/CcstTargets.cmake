@@ -54,9 +54,10 @@ function(ccst_library name)
   target_compile_features(ccst_${name} PUBLIC cxx_std_20)
 endfunction()
 
-# ccst_test(NAME SOURCES ... DEPS ... [LABELS ...]): one GoogleTest program, its cases found by CTest.
+# ccst_test(NAME [SERIAL] SOURCES ... DEPS ... [LABELS ...]): one GoogleTest program, its cases found
+# by CTest. SERIAL: no other test runs beside them.
 function(ccst_test name)
-  cmake_parse_arguments(arg "" "" "SOURCES;DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "SERIAL" "" "SOURCES;DEPS;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ccst::flags ${arg_DEPS} GTest::gmock_main GTest::gtest)
   # A test's own code runs briefly; compiling it with all optimizations takes a quarter longer.
@@ -65,5 +66,6 @@ function(ccst_test name)
   if(NOT labels)
     set(labels unit)
   endif()
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS "${labels}")
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS "${labels}" RUN_SERIAL ${arg_SERIAL})
 endfunction()

@@ -1,4 +1,7 @@
+#include <array>
 #include <future>
+#include <memory>
+#include <vector>
 
 #include <grpcpp/create_channel.h>
 #include <gtest/gtest.h>
@@ -74,6 +77,23 @@ TEST(Drain, StopsJobsWhenItsTimeIsOver) {
   EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_EQ(answer.reason(), "DRAINING");
   drained.wait();
+}
+
+// Found by a sanitizer: the last task of a call used a service that was gone.
+TEST(Drain, ServerMayGoBeforeTheLastTasksOfItsCalls) {
+  constexpr int kServers = 10;
+  constexpr int kCalls = 8;
+  for (int i = 0; i < kServers; ++i) {
+    auto server = std::make_unique<TestServer>(QuickSampler());
+    std::array<grpc::ClientContext, kCalls> contexts;
+    std::vector<std::unique_ptr<grpc::ClientReader<v1::SampleResponse>>> readers;
+    for (grpc::ClientContext& context : contexts) {
+      readers.push_back(server->sampling().Sample(&context, Request()));
+    }
+    for (grpc::ClientContext& context : contexts) context.TryCancel();
+    for (const auto& reader : readers) ReadAll(*reader);
+    server.reset();
+  }
 }
 
 }  // namespace

@@ -47,6 +47,28 @@ TEST(Latency, FirstEventComesWithin50Ms) {
   EXPECT_LT(best, 50.0);
 }
 
+TEST(Latency, FirstMessageComesBeforeTheMeshIsDecoded) {
+  Gate go;
+  RunDependencies run = RunWith(QuickSampler());
+  run.decode = [&](std::span<const char>, const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
+    go.Wait();
+    return TriangleMesh();
+  };
+  TestServer server(std::move(run), {});
+  v1::GetServerInfoResponse info;
+  grpc::ClientContext warm_up;
+  ASSERT_TRUE(server.info().GetServerInfo(&warm_up, {}, &info).ok());
+  grpc::ClientContext context;
+  const auto start = steady_clock::now();
+  const auto reader = server.sampling().Sample(&context, Request());
+  v1::SampleResponse event;
+  ASSERT_TRUE(reader->Read(&event));
+  EXPECT_LT(steady_clock::now() - start, milliseconds(50));
+  EXPECT_TRUE(event.has_snapshot());
+  go.Open();
+  EXPECT_TRUE(ReadAll(*reader).status.ok());
+}
+
 // Cancels `after` the request was sent. @return milliseconds until no job runs any more.
 double MillisecondsToFree(TestServer& server, const v1::SampleRequest& request,
                           milliseconds after) {

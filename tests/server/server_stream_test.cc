@@ -1,5 +1,4 @@
 // What a caller of `Sample` reads.
-#include <chrono>
 #include <new>
 #include <stdexcept>
 
@@ -11,7 +10,6 @@
 namespace ccst::server {
 namespace {
 
-using std::chrono::steady_clock;
 using Event = v1::SampleResponse::EventCase;
 
 TEST(SampleStream, EventsComeInTheirOrder) {
@@ -62,28 +60,6 @@ TEST(SampleStream, EventsComeInTheirOrder) {
   EXPECT_EQ(iteration, 5);
   EXPECT_EQ(samples, kCount);
   EXPECT_EQ(triangles, kCount);
-}
-
-TEST(SampleStream, FirstMessageComesBeforeTheMeshIsDecoded) {
-  Gate go;
-  RunDependencies run = RunWith(QuickSampler());
-  run.decode = [&](std::span<const char>, const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
-    go.Wait();
-    return TriangleMesh();
-  };
-  TestServer server(std::move(run), {});
-  v1::GetServerInfoResponse info;
-  grpc::ClientContext warm_up;
-  ASSERT_TRUE(server.info().GetServerInfo(&warm_up, {}, &info).ok());
-  grpc::ClientContext context;
-  const auto start = steady_clock::now();
-  const auto reader = server.sampling().Sample(&context, Request());
-  v1::SampleResponse event;
-  ASSERT_TRUE(reader->Read(&event));
-  EXPECT_LT(steady_clock::now() - start, std::chrono::milliseconds(50));
-  EXPECT_TRUE(event.has_snapshot());
-  go.Open();
-  EXPECT_TRUE(ReadAll(*reader).status.ok());
 }
 
 TEST(SampleStream, WrongOptionsAreRefusedWithTheirFields) {
