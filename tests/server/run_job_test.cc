@@ -35,17 +35,18 @@ class RunJobTest : public testing::Test {
 
 // Decoders cannot be interrupted: one that is too slow is left behind.
 TEST_F(RunJobTest, TimeLimitEndsAJobWhoseMeshIsStillDecoded) {
-  Gate decoded;
+  // The decoder that is left behind has it until it ends.
+  const auto decoded = std::make_shared<Gate>();
   RunDependencies run = FakeDependencies(QuickSampler());
-  run.decode = [&](std::span<const char>, const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
-    decoded.Wait();
+  run.decode = [decoded](std::span<const char>, const MeshLimits&) -> absl::StatusOr<TriangleMesh> {
+    decoded->Wait();
     return TriangleMesh();
   };
   const absl::Status end = Run(run, 0.01).status();
   EXPECT_EQ(end.code(), absl::StatusCode::kDeadlineExceeded) << end;
   EXPECT_EQ(GetErrorReason(end), ErrorReason::kTimeLimitExceeded);
   EXPECT_NE(end.message().find("decoded"), std::string::npos);
-  decoded.Open();
+  decoded->Open();
 }
 
 TEST_F(RunJobTest, SamplingGetsWhatDecodingLeftOfTheTimeLimit) {
