@@ -1,7 +1,11 @@
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <thread>
 #include <variant>
+
+#include <malloc.h>
 
 #include "client/cli/commands.h"
 #include "client/cli/exit_code.h"
@@ -18,9 +22,19 @@ int Start(const Command& command) {
   return ccst::cli::Run(command);
 }
 
+// Tells glibc how many heaps threads may have: as many as it would find itself. It looks when the
+// ninth is made, below /sys, and where that is missing, errno is another one afterwards, which gRPC
+// 1.51 reads too late after connect(): a call fails that would not have.
+void FixNumberOfHeaps() {
+  constexpr int kHeapsPerProcessor = 8;
+  mallopt(M_ARENA_MAX,
+          kHeapsPerProcessor * static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  FixNumberOfHeaps();
   ccst::cli::EscapeTransportErrors();
   try {
     const ccst::cli::Command command =
