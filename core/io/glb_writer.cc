@@ -15,6 +15,7 @@
 #include "core/io/draco_mesh.h"
 #include "core/io/draco_points.h"
 #include "core/io/float_positions.h"
+#include "core/io/gltf_constants.h"
 #include "core/io/io_errors.h"
 #include "core/io/numbers.h"
 #include "core/mesh/attributes.h"
@@ -23,17 +24,6 @@ namespace ccst::io {
 namespace {
 
 using Json = nlohmann::json;
-
-// Values of the glTF 2.0 specification.
-constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
-constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN"
-constexpr int kFloat = 5126;
-constexpr int kUnsignedInt = 5125;
-constexpr int kArrayBuffer = 34962;
-constexpr int kElementArrayBuffer = 34963;
-constexpr int kPoints = 0;
-constexpr int kTriangles = 4;
 
 Json ToJson(const Eigen::Vector3d& vector) {
   return Json::array({vector.x(), vector.y(), vector.z()});
@@ -99,7 +89,7 @@ int AddPositions(const std::vector<Eigen::Vector3d>& positions, const DracoPoint
       AppendLittleEndian(arrays.bytes(), static_cast<float>(value));
     }
   }
-  const int index = arrays.Add(kFloat, 3, kArrayBuffer);
+  const int index = arrays.Add(gltf::kFloat, 3, gltf::kArrayBuffer);
   arrays.accessors().back()["min"] = ToJson(box.min());
   arrays.accessors().back()["max"] = ToJson(box.max());
   return index;
@@ -116,7 +106,7 @@ int AddAttribute(const Attribute& attribute, const DracoPoints& points, Arrays& 
       AppendLittleEndian(arrays.bytes(), std::isfinite(value) ? value : 0.0F);
     }
   }
-  return arrays.Add(kFloat, attribute.components, kArrayBuffer);
+  return arrays.Add(gltf::kFloat, attribute.components, gltf::kArrayBuffer);
 }
 
 std::string Describe(const Json& primitive, const Eigen::Vector3d& origin, Arrays& arrays) {
@@ -147,7 +137,7 @@ absl::StatusOr<std::string> EncodeGlb(const TriangleMesh& mesh) {
   NameAttributes(attributes);
   const DracoPoints points = SplitIntoPoints(mesh);
   Arrays arrays;
-  Json primitive = {{"mode", mesh.faces.empty() ? kPoints : kTriangles}};
+  Json primitive = {{"mode", mesh.faces.empty() ? gltf::kPoints : gltf::kTriangles}};
   primitive["attributes"]["POSITION"] = AddPositions(relative, points, arrays);
   Keys keys;
   for (const Attribute& attribute : attributes) {
@@ -155,7 +145,7 @@ absl::StatusOr<std::string> EncodeGlb(const TriangleMesh& mesh) {
   }
   if (!mesh.faces.empty()) {
     for (const std::uint32_t point : points.of_corner) AppendLittleEndian(arrays.bytes(), point);
-    primitive["indices"] = arrays.Add(kUnsignedInt, 1, kElementArrayBuffer);
+    primitive["indices"] = arrays.Add(gltf::kUnsignedInt, 1, gltf::kElementArrayBuffer);
   }
   const std::string json = Describe(primitive, origin, arrays);
   const std::size_t total = 12 + 8 + json.size() + 8 + arrays.bytes().size();
@@ -164,14 +154,14 @@ absl::StatusOr<std::string> EncodeGlb(const TriangleMesh& mesh) {
   }
   std::string out;
   out.reserve(total);
-  AppendLittleEndian(out, kMagic);
+  out += gltf::kMagic;
   AppendLittleEndian(out, std::uint32_t{2});
   AppendLittleEndian(out, static_cast<std::uint32_t>(total));
   AppendLittleEndian(out, static_cast<std::uint32_t>(json.size()));
-  AppendLittleEndian(out, kJsonChunk);
+  AppendLittleEndian(out, gltf::kJsonChunk);
   out += json;
   AppendLittleEndian(out, static_cast<std::uint32_t>(arrays.bytes().size()));
-  AppendLittleEndian(out, kBinChunk);
+  AppendLittleEndian(out, gltf::kBinChunk);
   out += arrays.bytes();
   return out;
 }

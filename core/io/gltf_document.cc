@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "core/base/status.h"
+#include "core/io/gltf_constants.h"
 #include "core/io/gltf_meshopt.h"
 #include "core/io/io_errors.h"
 #include "core/io/numbers.h"
@@ -20,11 +21,6 @@ namespace ccst::io {
 namespace {
 
 using Json = nlohmann::json;
-
-// Values of the glTF 2.0 specification.
-constexpr std::string_view kMagic = "glTF";
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
-constexpr std::uint32_t kBinChunk = 0x004E4942;
 
 struct Chunks {
   std::string_view json;
@@ -50,8 +46,8 @@ absl::StatusOr<Chunks> CutGlb(std::string_view bytes) {
       return Unreadable(absl::StrCat("byte ", at, ": a chunk of ", size, " bytes, but only ",
                                      bytes.size() - at, " are left"));
     }
-    if (type == kJsonChunk && chunks.json.empty()) chunks.json = bytes.substr(at, size);
-    if (type == kBinChunk && chunks.binary.empty()) chunks.binary = bytes.substr(at, size);
+    if (type == gltf::kJsonChunk && chunks.json.empty()) chunks.json = bytes.substr(at, size);
+    if (type == gltf::kBinChunk && chunks.binary.empty()) chunks.binary = bytes.substr(at, size);
     at += size;
   }
   if (chunks.json.empty()) return Unreadable("the GLB file has no JSON chunk");
@@ -112,14 +108,14 @@ absl::StatusOr<std::string> ReadUri(const std::string& uri,
 
 int ComponentBytes(std::int64_t type) {
   switch (type) {
-    case 5120:
-    case 5121:
+    case gltf::kSignedByte:
+    case gltf::kUnsignedByte:
       return 1;
-    case 5122:
-    case 5123:
+    case gltf::kSignedShort:
+    case gltf::kUnsignedShort:
       return 2;
-    case 5125:
-    case 5126:
+    case gltf::kUnsignedInt:
+    case gltf::kFloat:
       return 4;
     default:
       return 0;
@@ -148,15 +144,15 @@ double GltfAccessor::At(std::int64_t row, int component) const {
   const char* const at =
       data + row * stride + std::int64_t{component} * ComponentBytes(component_type);
   switch (component_type) {
-    case 5120:
+    case gltf::kSignedByte:
       return Load<std::int8_t>(at, normalized);
-    case 5121:
+    case gltf::kUnsignedByte:
       return Load<std::uint8_t>(at, normalized);
-    case 5122:
+    case gltf::kSignedShort:
       return Load<std::int16_t>(at, normalized);
-    case 5123:
+    case gltf::kUnsignedShort:
       return Load<std::uint16_t>(at, normalized);
-    case 5125:
+    case gltf::kUnsignedInt:
       return Load<std::uint32_t>(at, normalized);
     default:
       return LoadBytes<float>(at, std::endian::little);
@@ -165,15 +161,15 @@ double GltfAccessor::At(std::int64_t row, int component) const {
 
 double GltfFullScale(int component_type) {
   switch (component_type) {
-    case 5120:
+    case gltf::kSignedByte:
       return std::numeric_limits<std::int8_t>::max();
-    case 5121:
+    case gltf::kUnsignedByte:
       return std::numeric_limits<std::uint8_t>::max();
-    case 5122:
+    case gltf::kSignedShort:
       return std::numeric_limits<std::int16_t>::max();
-    case 5123:
+    case gltf::kUnsignedShort:
       return std::numeric_limits<std::uint16_t>::max();
-    case 5125:
+    case gltf::kUnsignedInt:
       return std::numeric_limits<std::uint32_t>::max();
     default:
       return 1.0;
@@ -198,7 +194,7 @@ absl::StatusOr<GltfDocument> GltfDocument::Open(std::string_view bytes,
   document.max_decoded_bytes_ = limits.max_decoded_bytes;
   document.decoded_left_ = limits.max_decoded_bytes;
   Chunks chunks{.json = bytes, .binary = {}};
-  if (bytes.starts_with(kMagic)) {
+  if (bytes.starts_with(gltf::kMagic)) {
     CCST_ASSIGN_OR_RETURN(chunks, CutGlb(bytes));
   }
   document.binary_ = chunks.binary;

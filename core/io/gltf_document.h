@@ -21,7 +21,7 @@ struct GltfAccessor {
   const char* data = nullptr;
   std::int64_t count = 0;   ///< Rows.
   std::int64_t stride = 0;  ///< Bytes from row to row.
-  int component_type = 0;   ///< As glTF numbers them: 5120 (signed byte) to 5126 (float).
+  int component_type = 0;   ///< One of gltf_constants.h.
   int components = 0;       ///< Of a row.
   bool normalized = false;
   std::shared_ptr<const std::string> storage = nullptr;  ///< Of `data`, where it is not the file.

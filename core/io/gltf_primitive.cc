@@ -12,6 +12,7 @@
 #include "core/base/status.h"
 #include "core/io/draco_mesh.h"
 #include "core/io/gltf_attributes.h"
+#include "core/io/gltf_constants.h"
 #include "core/io/io_errors.h"
 #include "core/io/numbers.h"
 
@@ -20,14 +21,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Values of the glTF 2.0 specification.
-constexpr std::int64_t kTriangles = 4;
-constexpr std::int64_t kTriangleFan = 6;  // 5 is a strip.
-
 // Corners of the i-th triangle among those of a primitive.
 Eigen::Matrix<std::int64_t, 3, 1> CornersOf(std::int64_t mode, std::int64_t i) {
-  if (mode == kTriangles) return {3 * i, 3 * i + 1, 3 * i + 2};
-  if (mode == kTriangleFan) return {i + 1, i + 2, 0};
+  if (mode == gltf::kTriangles) return {3 * i, 3 * i + 1, 3 * i + 2};
+  if (mode == gltf::kTriangleFan) return {i + 1, i + 2, 0};
   return i % 2 == 0 ? Eigen::Matrix<std::int64_t, 3, 1>(i, i + 1, i + 2)
                     : Eigen::Matrix<std::int64_t, 3, 1>(i, i + 2, i + 1);
 }
@@ -43,12 +40,13 @@ class PrimitiveReader {
         ignored_(ignored) {}
 
   absl::StatusOr<TriangleMesh> Read() {
-    CCST_ASSIGN_OR_RETURN(mode_, GltfInteger(primitive_, "mode", kTriangles));
-    if (mode_ < kTriangles) {
+    CCST_ASSIGN_OR_RETURN(mode_, GltfInteger(primitive_, "mode", gltf::kTriangles));
+    if (mode_ < gltf::kTriangles) {
       ++ignored_["primitives of points or lines"];
       return TriangleMesh{};
     }
-    if (mode_ > kTriangleFan) return Unreadable(absl::StrCat("mode ", mode_, " is not known"));
+    if (mode_ > gltf::kTriangleFan)
+      return Unreadable(absl::StrCat("mode ", mode_, " is not known"));
     const auto targets =
         static_cast<std::int64_t>(primitive_.value("targets", Json::array()).size());
     if (targets > 0) ignored_["morph targets"] += targets;
@@ -145,15 +143,16 @@ class PrimitiveReader {
     std::optional<GltfAccessor> indices;
     if (index >= 0) {
       CCST_ASSIGN_OR_RETURN(indices, document_.Accessor(index));
-      const bool is_unsigned = indices->component_type == 5121 || indices->component_type == 5123 ||
-                               indices->component_type == 5125;
+      const bool is_unsigned = indices->component_type == gltf::kUnsignedByte ||
+                               indices->component_type == gltf::kUnsignedShort ||
+                               indices->component_type == gltf::kUnsignedInt;
       if (indices->components != 1 || !is_unsigned) {
         return Unreadable("indices are not unsigned SCALARs");
       }
       indices->normalized = false;
     }
     const std::int64_t corners = indices.has_value() ? indices->count : vertices;
-    if (mode_ == kTriangles && corners % 3 != 0) {
+    if (mode_ == gltf::kTriangles && corners % 3 != 0) {
       return Unreadable(absl::StrCat(corners, " corners do not make whole triangles"));
     }
     if (corners > 3 * limits_.max_faces) {
@@ -161,7 +160,7 @@ class PrimitiveReader {
                                     " triangles are accepted"));
     }
     const std::int64_t faces =
-        mode_ == kTriangles ? corners / 3 : std::max<std::int64_t>(corners - 2, 0);
+        mode_ == gltf::kTriangles ? corners / 3 : std::max<std::int64_t>(corners - 2, 0);
     mesh_.faces.reserve(static_cast<std::size_t>(faces));
     for (std::int64_t f = 0; f < faces; ++f) {
       const auto of_face = CornersOf(mode_, f);
@@ -199,8 +198,8 @@ class PrimitiveReader {
                                                mesh_.positions.size(), limits_.max_decoded_bytes));
       Attribute& attribute = mesh_.attributes.emplace_back(
           Attribute{.name = key, .kind = *kind, .components = accessor->components});
-      const bool is_label = *kind == AttributeKind::kScalar && accessor->component_type != 5126 &&
-                            !accessor->normalized;
+      const bool is_label = *kind == AttributeKind::kScalar &&
+                            accessor->component_type != gltf::kFloat && !accessor->normalized;
       if (is_label) attribute.kind = AttributeKind::kLabel;
       attribute.values.reserve(static_cast<std::size_t>(accessor->components * accessor->count));
       for (std::int64_t i = 0; i < accessor->count; ++i) {
@@ -259,7 +258,7 @@ class PrimitiveReader {
   Json attributes_;
   const MeshLimits& limits_;
   GltfIgnored& ignored_;
-  std::int64_t mode_ = kTriangles;
+  std::int64_t mode_ = gltf::kTriangles;
   TriangleMesh mesh_;
 };
 

@@ -9,6 +9,7 @@
 #include "core/base/limit_error.h"
 #include "core/base/printable_text.h"
 #include "core/base/status.h"
+#include "server/base/deadline.h"
 #include "server/formats/job_history.h"
 #include "server/jobs/job_records.h"
 #include "server/jobs/stored_samples.h"
@@ -25,8 +26,6 @@ constexpr std::int64_t kMostHeldBytes = std::int64_t{32} << 20;
 constexpr int kMostUncleanEnds = 2;
 // Dropped in one change of the records; others use the store between two of them.
 constexpr int kSweepBatch = 100;
-// An infinite timeout would overflow the clock.
-constexpr absl::Duration kLongestTimeout = absl::Hours(24 * 365);
 
 absl::Status NotFound(const std::string& id) {
   return MakeError(absl::StatusCode::kNotFound, ErrorReason::kNotFound,
@@ -457,8 +456,7 @@ absl::Status JobManager::DropExpired() {
 }
 
 bool JobManager::WaitUntilIdle(absl::Duration timeout) {
-  const auto deadline = std::chrono::steady_clock::now() +
-                        absl::ToChronoNanoseconds(std::min(timeout, kLongestTimeout));
+  const auto deadline = DeadlineAfter(timeout);
   if (!runs_.WaitUntilIdle(timeout)) return false;
   MutexLock lock(mutex_);
   while (watchers_ > 0) {

@@ -1,19 +1,14 @@
 #include "server/jobs/job_runner.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
 #include "core/base/limit_error.h"
 #include "core/base/status.h"
+#include "server/base/deadline.h"
 
 namespace ccst::server {
-namespace {
-
-constexpr absl::Duration kLongestWait = absl::Hours(24 * 365 * 10);
-
-}  // namespace
 
 JobRunner::Place::Place(Place&& other) noexcept
     : runner_(std::exchange(other.runner_, nullptr)), share_(std::move(other.share_)) {}
@@ -181,9 +176,7 @@ bool JobRunner::draining() const {
 }
 
 bool JobRunner::WaitUntilIdle(absl::Duration timeout) {
-  // An infinite timeout would overflow the clock.
-  const absl::Duration bounded = std::min(timeout, kLongestWait);
-  const auto deadline = std::chrono::steady_clock::now() + absl::ToChronoNanoseconds(bounded);
+  const auto deadline = DeadlineAfter(timeout);
   MutexLock lock(mutex_);
   while (!queue_.empty() || !running_.empty() || reserved_count_ > 0) {
     if (changed_.wait_until(mutex_, deadline) == std::cv_status::timeout) {

@@ -1,13 +1,13 @@
 #include "server/jobs/job_runs.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <string_view>
 #include <utility>
 
 #include "core/base/status.h"
+#include "server/base/deadline.h"
 #include "server/base/without_throwing.h"
 #include "server/formats/job_history.h"
 #include "server/jobs/decoding_threads.h"
@@ -31,8 +31,6 @@ constexpr double kLongestWaitSeconds = 64.0;
 constexpr double kSuspectWaitSeconds = 2.0;
 // How often the store is asked whether it takes something again.
 constexpr double kLookAgainSeconds = 5.0;
-// An infinite timeout would overflow the clock.
-constexpr absl::Duration kLongestTimeout = absl::Hours(24 * 365);
 
 std::string_view StateName(JobState state) {
   switch (state) {
@@ -339,8 +337,7 @@ void JobRuns::Report(const std::string& text) const {
 }
 
 bool JobRuns::WaitUntilIdle(absl::Duration timeout) {
-  const auto deadline = std::chrono::steady_clock::now() +
-                        absl::ToChronoNanoseconds(std::min(timeout, kLongestTimeout));
+  const auto deadline = DeadlineAfter(timeout);
   if (!runner_->WaitUntilIdle(timeout)) return false;
   MutexLock lock(mutex_);
   while (storing_ > 0) {

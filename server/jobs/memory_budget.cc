@@ -1,8 +1,8 @@
 #include "server/jobs/memory_budget.h"
 
-#include <chrono>
 #include <utility>
 
+#include "server/base/deadline.h"
 #include "server/base/free_memory.h"
 
 namespace ccst::server {
@@ -30,7 +30,7 @@ std::shared_ptr<void> MemoryBudget::Take(std::int64_t bytes) {
 
 std::shared_ptr<void> MemoryBudget::TakeWithin(absl::Duration timeout, std::int64_t bytes,
                                                const std::stop_token& stop) {
-  const auto deadline = std::chrono::steady_clock::now() + absl::ToChronoNanoseconds(timeout);
+  const auto deadline = DeadlineAfter(timeout);
   while (true) {
     if (auto grant = Take(bytes); grant != nullptr) return grant;
     MutexLock lock(mutex_);

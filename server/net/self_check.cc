@@ -20,14 +20,13 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
 #include "server/net/frame_guard.h"
+#include "server/net/tls_context.h"
 
 namespace ccst::server {
 namespace {
 
 using Context = std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)>;
-using Session = std::unique_ptr<SSL, decltype(&SSL_free)>;
 
-constexpr unsigned char kHttp2[] = {2, 'h', '2'};
 constexpr int kHeadersFrame = 1;
 constexpr std::uint32_t kStream = 1;
 
@@ -98,10 +97,11 @@ absl::StatusOr<FileDescriptor> Connect(ConnectionGate& gate, double seconds) {
 }
 
 // The server's certificate is not looked at: it is its own.
-Session StartTls(const FileDescriptor& socket) {
+TlsSession StartTls(const FileDescriptor& socket) {
   const Context context(SSL_CTX_new(TLS_client_method()), SSL_CTX_free);
-  Session session(context == nullptr ? nullptr : SSL_new(context.get()), SSL_free);
-  if (session == nullptr || SSL_set_alpn_protos(session.get(), kHttp2, sizeof kHttp2) != 0 ||
+  TlsSession session(context == nullptr ? nullptr : SSL_new(context.get()), SSL_free);
+  if (session == nullptr ||
+      SSL_set_alpn_protos(session.get(), kAlpnHttp2, sizeof kAlpnHttp2) != 0 ||
       SSL_set_fd(session.get(), socket.get()) != 1 || SSL_connect(session.get()) != 1) {
     session.reset();
   }
@@ -142,7 +142,7 @@ absl::Status ReachOneself(ConnectionGate& gate, double seconds) {
   } else if (!gate.has_tls()) {
     status = Ask(*socket, nullptr, end);
   } else {
-    const Session session = StartTls(*socket);
+    const TlsSession session = StartTls(*socket);
     status = session == nullptr ? Failed("no TLS") : Ask(*socket, session.get(), end);
     ERR_clear_error();
   }

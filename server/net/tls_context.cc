@@ -19,8 +19,6 @@ using Key = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
 
 // Forward secret and authenticated, for TLS 1.2; those of TLS 1.3 all are.
 constexpr char kCiphers[] = "ECDHE+AESGCM:ECDHE+CHACHA20";
-// What HTTP/2 is called in the handshake, with its length.
-constexpr unsigned char kHttp2[] = {2, 'h', '2'};
 
 Bio OpenText(const std::string& text) {
   return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), BIO_free);
@@ -33,8 +31,8 @@ Certificate ReadCertificate(BIO* bio) {
 int SelectHttp2(SSL* /*session*/, const unsigned char** chosen, unsigned char* chosen_size,
                 const unsigned char* offered, unsigned int offered_size, void* /*context*/) {
   unsigned char* match = nullptr;
-  if (SSL_select_next_proto(&match, chosen_size, kHttp2, sizeof kHttp2, offered, offered_size) !=
-      OPENSSL_NPN_NEGOTIATED) {
+  if (SSL_select_next_proto(&match, chosen_size, kAlpnHttp2, sizeof kAlpnHttp2, offered,
+                            offered_size) != OPENSSL_NPN_NEGOTIATED) {
     return SSL_TLSEXT_ERR_ALERT_FATAL;
   }
   *chosen = match;

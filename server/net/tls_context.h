@@ -13,6 +13,9 @@ namespace ccst::server {
 
 using TlsSession = std::unique_ptr<SSL, decltype(&SSL_free)>;
 
+/// What HTTP/2 is called in the handshake, with its length (RFC 7301, 3.1).
+inline constexpr unsigned char kAlpnHttp2[] = {2, 'h', '2'};
+
 /// TLS 1.2 and later for HTTP/2, from files that are looked at with every new connection: changed
 /// ones count at once, broken ones not, the certificate before stays. Clients need a certificate
 /// when the paths name who vouches for them. Sessions are not resumed, so that a certificate that

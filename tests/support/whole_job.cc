@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
 #include "tests/support/memory_meter.h"
+#include "tests/support/sample_hosts.h"
 
 namespace ccst::test {
 namespace {
@@ -39,32 +40,14 @@ std::string FaultOf(const absl::Status& status) {
 std::string FaultOf(const TriangleMesh& mesh, std::int64_t count, const SamplingResult& result) {
   if (result.termination == Termination::kTimeLimit) return "it did not come to an end";
   const SampleSet& set = result.samples;
-  const auto n = static_cast<std::size_t>(count);
-  if (set.faces.size() != n || set.barycentrics.size() != n || set.positions.size() != n ||
-      set.normals.size() != n) {
-    return absl::StrCat(set.positions.size(), " samples instead of ", count);
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    if (set.faces[i] < 0 || set.faces[i] >= static_cast<std::int64_t>(mesh.faces.size())) {
-      return absl::StrCat("sample ", i, " has no host");
-    }
-    const double u = set.barycentrics[i][0];
-    const double v = set.barycentrics[i][1];
-    if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0)) {
-      return absl::StrCat("sample ", i, " lies outside its host: ", u, ", ", v);
-    }
-    const Eigen::Vector3i& face = mesh.faces[set.faces[i]];
-    const Eigen::Vector3d place = u * mesh.positions[face[0]] + v * mesh.positions[face[1]] +
-                                  (1.0 - u - v) * mesh.positions[face[2]];
-    double size = 0.0;
-    for (int k = 0; k < 3; ++k) size = std::max(size, mesh.positions[face[k]].stableNorm());
-    if (!((place - set.positions[i]).stableNorm() <= 1e-12 * size)) {
-      return absl::StrCat("sample ", i, " is not where its host says");
-    }
-    if (!(std::abs(set.normals[i].norm() - 1.0) < 1e-9)) {
-      return absl::StrCat("normal ", i, " is no unit vector");
-    }
-  }
+  const auto size = [&mesh](const Eigen::Vector3i& face) {
+    double largest = 0.0;
+    for (const int v : face) largest = std::max(largest, mesh.positions[v].stableNorm());
+    return largest;
+  };
+  const std::string fault = FindHostFault(
+      mesh, count, set, [&](const Eigen::Vector3i& face) { return 1e-12 * size(face); });
+  if (!fault.empty()) return fault;
   for (const Eigen::Vector3i& t : set.triangles) {
     if (t.minCoeff() < 0 || t.maxCoeff() >= count || t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
       return "a triangle does not join three samples";

@@ -15,6 +15,7 @@
 #include "core/quality/triangle_tree.h"
 #include "core/sampling/start/initial_mesh.h"
 #include "core/sampling/start/initial_points.h"
+#include "tests/support/sample_hosts.h"
 #include "tests/support/shapes.h"
 
 namespace ccst::sampling_test {
@@ -80,35 +81,15 @@ std::string FindDifference(const SamplingResult& a, const SamplingResult& b) {
 
 std::string FindFault(const TriangleMesh& mesh, std::int64_t count, const SamplingResult& result) {
   const SampleSet& set = result.samples;
-  const auto n = static_cast<std::size_t>(count);
-  if (set.positions.size() != n || set.faces.size() != n || set.barycentrics.size() != n ||
-      set.normals.size() != n) {
-    return absl::StrCat(set.positions.size(), " samples instead of ", count);
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    if (set.faces[i] < 0 || set.faces[i] >= static_cast<std::int64_t>(mesh.faces.size())) {
-      return absl::StrCat("sample ", i, " has no host");
-    }
-    const double u = set.barycentrics[i][0];
-    const double v = set.barycentrics[i][1];
-    if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0)) {
-      return absl::StrCat("sample ", i, " lies outside its host: ", u, ", ", v);
-    }
-    const Eigen::Vector3i& f = mesh.faces[set.faces[i]];
-    const Eigen::Vector3d position =
-        u * mesh.positions[f[0]] + v * mesh.positions[f[1]] + (1.0 - u - v) * mesh.positions[f[2]];
-    if (!((position - set.positions[i]).norm() <= 1e-12 * result.surface.diagonal)) {
-      return absl::StrCat("sample ", i, " is not where its host says");
-    }
-    if (!(std::abs(set.normals[i].norm() - 1.0) < 1e-9)) {
-      return absl::StrCat("normal ", i, " is not a unit vector");
-    }
-  }
+  const double tolerance = 1e-12 * result.surface.diagonal;
+  const std::string fault = test::FindHostFault(
+      mesh, count, set, [tolerance](const Eigen::Vector3i& /*face*/) { return tolerance; });
+  if (!fault.empty()) return fault;
   const quality::TriangleTree tree(mesh.positions, mesh.faces);
   const double off = quality::LargestDistance(set.positions, tree);
   if (!(off <= 1e-6 * result.surface.diagonal)) return absl::StrCat("a sample lies ", off, " off");
   // Samples in no triangle must be those of the components said to have none.
-  std::vector<std::int32_t> number(n, -1);
+  std::vector<std::int32_t> number(set.positions.size(), -1);
   std::int32_t used = 0;
   std::vector<Eigen::Vector3i> triangles = set.triangles;
   for (Eigen::Vector3i& t : triangles) {
